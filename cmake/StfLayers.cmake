@@ -1,0 +1,52 @@
+# One target per layer of stfLib, with the layers it may use. The build fails where a source includes a header of a
+# layer that is not on its list, so that the layers stay one-directional (docs/architecture.md).
+
+# Warnings of the project's own code are errors; the headers of others are system headers.
+add_library(stf_options INTERFACE)
+target_compile_options(stf_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Werror)
+if(HDSTF_SANITIZE)
+    target_compile_options(stf_options INTERFACE -fsanitize=address,undefined -fno-omit-frame-pointer)
+    target_link_options(stf_options INTERFACE -fsanitize=address,undefined)
+endif()
+
+# The order in which layers stand on each other; a layer may use those before it only.
+set(STF_LAYER_ORDER base optics volume transport surface synthesis shell core render reference cache)
+
+# stf_layer(<name> SOURCES ... [LAYERS ...] [LINKS ...])
+#   LAYERS  the layers it uses (transitively known through them as well)
+#   LINKS   third-party targets, private: no public header of stfLib names their types
+function(stf_layer name)
+    cmake_parse_arguments(ARG "" "" "SOURCES;LAYERS;LINKS" ${ARGN})
+    list(FIND STF_LAYER_ORDER ${name} own_rank)
+    if(own_rank LESS 0)
+        message(FATAL_ERROR "stf_layer: '${name}' is not in STF_LAYER_ORDER")
+    endif()
+    foreach(layer IN LISTS ARG_LAYERS)
+        list(FIND STF_LAYER_ORDER ${layer} rank)
+        if(rank LESS 0 OR NOT rank LESS own_rank)
+            message(FATAL_ERROR "stf_layer: '${name}' may not use '${layer}': layers are one-directional")
+        endif()
+    endforeach()
+
+    add_library(stf_${name} STATIC ${ARG_SOURCES})
+    target_include_directories(stf_${name} PUBLIC ${PROJECT_SOURCE_DIR})
+    foreach(layer IN LISTS ARG_LAYERS)
+        target_link_libraries(stf_${name} PUBLIC stf_${layer})
+    endforeach()
+    target_link_libraries(stf_${name} PRIVATE stf_options ${ARG_LINKS})
+
+    file(GLOB files CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${name}/*.h ${CMAKE_CURRENT_SOURCE_DIR}/${name}/*.cpp)
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${files})
+    foreach(file IN LISTS files)
+        file(STRINGS ${file} includes REGEX "^#include \"(stfLib|hdStf|pxr|tools)/")
+        foreach(include IN LISTS includes)
+            if(NOT include MATCHES "\"stfLib/([a-z]+)/")
+                message(FATAL_ERROR "${file}: stfLib includes nothing of the layers above it: ${include}")
+            endif()
+            set(layer ${CMAKE_MATCH_1})
+            if(NOT layer STREQUAL name AND NOT layer IN_LIST ARG_LAYERS)
+                message(FATAL_ERROR "${file}: layer '${name}' may not include layer '${layer}' (allowed: ${ARG_LAYERS})")
+            endif()
+        endforeach()
+    endforeach()
+endfunction()

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stfLib/base/sampler.h"
+
+namespace stf {
+
+namespace {
+
+std::uint32_t reverseBits(std::uint32_t x) {
+    x = ((x >> 1) & 0x55555555u) | ((x & 0x55555555u) << 1);
+    x = ((x >> 2) & 0x33333333u) | ((x & 0x33333333u) << 2);
+    x = ((x >> 4) & 0x0f0f0f0fu) | ((x & 0x0f0f0f0fu) << 4);
+    x = ((x >> 8) & 0x00ff00ffu) | ((x & 0x00ff00ffu) << 8);
+    return (x >> 16) | (x << 16);
+}
+
+// Burley 2020, section 3: Laine-Karras style permutation with the constants of its improved version.
+std::uint32_t laineKarras(std::uint32_t x, std::uint32_t seed) {
+    x ^= x * 0x3d20adeau;
+    x += seed;
+    x *= (seed >> 16) | 1u;
+    x ^= x * 0x05526c56u;
+    x ^= x * 0x53a22864u;
+    return x;
+}
+
+std::uint32_t owenScramble(std::uint32_t x, std::uint32_t seed) {
+    return reverseBits(laineKarras(reverseBits(x), seed));
+}
+
+// Second dimension of the Sobol sequence; the first is the bit reversal of the index.
+std::uint32_t sobolSecond(std::uint32_t index) {
+    std::uint32_t result = 0;
+    for (std::uint32_t v = 1u << 31; index; index >>= 1, v ^= v >> 1) {
+        if (index & 1) {
+            result ^= v;
+        }
+    }
+    return result;
+}
+
+float toUnit(std::uint32_t x) { return float(x >> 8) * 0x1p-24f; }
+
+} // namespace
+
+Vec2f PixelSampler::next2d() {
+    CounterRng rng(seed_ ^ (std::uint64_t(pair_++) << 32), pixel_);
+    const std::uint32_t shuffle = rng.bits(), a = rng.bits(), b = rng.bits();
+    const std::uint32_t index = owenScramble(sample_, shuffle);
+    return {toUnit(owenScramble(reverseBits(index), a)), toUnit(owenScramble(sobolSecond(index), b))};
+}
+
+} // namespace stf

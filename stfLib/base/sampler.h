@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "stfLib/base/random.h"
+#include "stfLib/base/vec.h"
+
+namespace stf {
+
+/// Low-discrepancy numbers of one pixel sample: a (0,2) Sobol sequence per pair of dimensions, Owen-scrambled by a
+/// hash (Burley 2020, "Practical Hash-based Owen Scrambling", JCGT 9(4)) and shuffled per pair, so that pairs are
+/// independent. Every prefix of samples is well stratified: an image may stop after any pass.
+/// Deterministic by (seed, pixel, sample). Not shared between threads.
+class PixelSampler {
+public:
+    PixelSampler(std::uint64_t seed, std::uint64_t pixel, std::uint32_t sample)
+        : seed_(seed), pixel_(pixel), sample_(sample) {}
+
+    Vec2f next2d();
+    float next1d() { return next2d().x; }
+
+private:
+    std::uint64_t seed_;
+    std::uint64_t pixel_;
+    std::uint32_t sample_;
+    std::uint32_t pair_ = 0;
+};
+
+} // namespace stf

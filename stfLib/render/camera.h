@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "stfLib/base/transform.h"
+#include "stfLib/surface/ray_scene.h"
+
+#include <array>
+
+namespace stf {
+
+/// 4x4 in double precision, row-major with row vectors (p' = p M), as OpenUSD stores it.
+using Matrix4 = std::array<double, 16>;
+
+/// A pinhole or orthographic camera given by its matrices: any projection that maps view space to normalised device
+/// coordinates -1..1 with depth -1 (near) to 1 (far). Immutable; used from all threads.
+class Camera {
+public:
+    Camera();
+    /// Throws Error if a matrix is singular or not finite.
+    Camera(const Matrix4& worldToView, const Matrix4& projection);
+
+    /// Ray through normalised device coordinates (-1..1, y up), world space, unit direction, starting on the near plane.
+    Ray ray(double ndcX, double ndcY) const;
+    /// Normalised device depth -1..1 of a world point, and its distance along the view axis.
+    double ndcDepth(const Vec3d& world) const;
+    double viewDepth(const Vec3d& world) const;
+    Vec3f viewNormal(const Vec3f& worldNormal) const;
+    bool operator==(const Camera& c) const { return worldToView_ == c.worldToView_ && projection_ == c.projection_; }
+
+private:
+    Matrix4 worldToView_, projection_, ndcToWorld_;
+};
+
+} // namespace stf

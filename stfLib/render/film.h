@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "stfLib/base/vec.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace stf {
+
+/// Arbitrary output variables, named as in the image contract.
+enum class Aov {
+    Color,       ///< rgba, linear Rec.709, premultiplied alpha
+    Alpha,
+    Depth,       ///< normalised device depth mapped to 0 (near) .. 1 (far); 1 where nothing is hit
+    CameraDepth, ///< distance along the view axis, scene units
+    Normal,      ///< world space
+    Neye,        ///< camera space
+    Position,    ///< world space
+    Albedo,
+    PrimId,
+    InstanceId,
+    ElementId,
+    SampleCount,
+    Variance,    ///< variance of the pixel's mean colour, rgb
+    StfSingle,
+    StfMultiple,
+    StfCore
+};
+
+/// Token to Aov; false for a name that is not known.
+bool aovFromName(const std::string& name, Aov& aov);
+bool aovIsInteger(Aov aov);
+int aovChannels(Aov aov);
+
+/// What one camera sample adds to a pixel.
+struct PixelSample {
+    Rgb color{0.0f};
+    float alpha = 0;
+    Rgb single{0.0f}, multiple{0.0f}, core{0.0f};
+};
+
+/// What is seen through the middle of a pixel, written by the first sample.
+struct PixelHit {
+    float depth = 1;
+    float cameraDepth = 0;
+    Vec3f normal{0.0f}, neye{0.0f}, position{0.0f};
+    Rgb albedo{0.0f};
+    std::int32_t primId = -1, instanceId = -1, elementId = -1;
+};
+
+/// Accumulates samples. One thread per pixel at a time; `read` not while samples are added.
+class Film {
+public:
+    void resize(int width, int height);
+    void clear();
+    int width() const { return width_; }
+    int height() const { return height_; }
+
+    void add(int x, int y, const PixelSample& sample);
+    void setHit(int x, int y, const PixelHit& hit) { hits_[index(x, y)] = hit; }
+
+    /// Rows from the bottom up (OpenGL order, as Hydra's buffers), `aovChannels` floats a pixel.
+    std::vector<float> read(Aov aov) const;
+    std::vector<std::int32_t> readIds(Aov aov) const;
+    /// Mean over the image of the standard error of a pixel's luminance, relative to the mean luminance.
+    double relativeError() const;
+
+private:
+    struct Accumulator {
+        Vec3d color, colorSquared, single, multiple, core;
+        double alpha = 0;
+        std::uint32_t count = 0;
+    };
+    std::size_t index(int x, int y) const { return std::size_t(y) * std::size_t(width_) + std::size_t(x); }
+
+    int width_ = 0, height_ = 0;
+    std::vector<Accumulator> pixels_;
+    std::vector<PixelHit> hits_;
+};
+
+} // namespace stf

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "stfLib/base/progress.h"
+#include "stfLib/render/camera.h"
+#include "stfLib/render/film.h"
+#include "stfLib/render/scene.h"
+
+#include <functional>
+#include <memory>
+
+namespace stf {
+
+class StfTable;
+struct BaseVolume;
+struct TransportOptions;
+
+/// The settings a host can change (tokens `stf:*`).
+struct RenderSettings {
+    int samples = 64;      ///< per pixel
+    std::uint64_t seed = 0;
+    int threads = 0;       ///< 0 = all cores
+    float quality = 0.02f; ///< target relative error of the tables, where a binding does not say
+    bool operator==(const RenderSettings& s) const {
+        return samples == s.samples && seed == s.seed && threads == s.threads && quality == s.quality;
+    }
+};
+
+/// One line of the plan: a stage that ran or was left out, and why.
+struct PlanEntry {
+    std::string object; ///< prim, or "scene"
+    std::string stage;
+    bool runs = false;
+    std::string why;
+    double seconds = 0;
+};
+
+struct RenderStats {
+    double precomputeSeconds = 0, synthesisSeconds = 0, shellSeconds = 0, coreSeconds = 0, loadSeconds = 0;
+    double firstPixelSeconds = 0; ///< from the start of prepare to the end of the first pass
+    double renderSeconds = 0;
+    std::size_t tableBytes = 0, shellBytes = 0;
+    std::uint64_t rays = 0;
+    int samplesDone = 0;
+    double estimatedError = 0;
+};
+
+/// How tables are had: computed at once, or through a store (the cache layer gives one).
+using TableProvider = std::function<std::shared_ptr<const StfTable>(
+    const std::shared_ptr<const BaseVolume>& volume, const TransportOptions& options, Progress& progress,
+    const MessageSink& messages)>;
+
+/// Renders a Scene progressively. Owned and driven by one thread (a host's render thread); `Progress::cancel` of the
+/// progress handed to `prepare` and `renderPass` may be called from any other.
+class Renderer {
+public:
+    explicit Renderer(TableProvider tables = {});
+    ~Renderer();
+    Renderer(const Renderer&) = delete;
+    Renderer& operator=(const Renderer&) = delete;
+
+    void setMessages(MessageSink messages);
+    void setSettings(const RenderSettings& settings);
+    void setCamera(const Camera& camera, int width, int height);
+    /// Background where no dome covers it: colour and alpha.
+    void setClearColor(const Rgb& color, float alpha);
+
+    /// Brings everything derived up to date with the scene: only what an edit touched. A mesh whose preparation fails is
+    /// reported once with its id and left out or drawn with its displayColor. Throws Cancelled.
+    void prepare(const Scene& scene, Progress& progress);
+    /// Restarts the image (film cleared, sample 0).
+    void restart();
+    /// Adds one sample to every pixel. Returns false, with the pass undone for no pixel, when cancelled: call restart.
+    bool renderPass(Progress& progress);
+    bool converged() const;
+
+    const Film& film() const;
+    RenderStats stats() const;
+    std::vector<PlanEntry> plan() const;
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+} // namespace stf

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stfLib/volume/base_volume.h"
+
+#include <xxhash.h>
+
+#include <cstdio>
+#include <memory>
+#include <sstream>
+
+namespace stf {
+
+namespace {
+
+std::string where(const BaseVolume& v, std::size_t i) {
+    const std::size_t nx = std::size_t(v.size.x), ny = std::size_t(v.size.y);
+    std::ostringstream s;
+    s << "(" << i % nx << ", " << i / nx % ny << ", " << i / nx / ny << ")";
+    return s.str();
+}
+
+template <class T, class Bad>
+void check(const BaseVolume& v, const char* grid, const std::vector<T>& values, bool required, const char* rule,
+           Bad bad) {
+    if (values.empty() && !required) {
+        return;
+    }
+    if (values.size() != v.voxelCount()) {
+        std::ostringstream s;
+        s << "grid '" << grid << "' has " << values.size() << " values, the tile has " << v.voxelCount() << " voxels";
+        throw Error(s.str());
+    }
+    std::size_t count = 0, first = 0;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        if (bad(values[i]) && count++ == 0) {
+            first = i;
+        }
+    }
+    if (count) {
+        std::ostringstream s;
+        s << "grid '" << grid << "' has " << count << " value(s) that are " << rule << ", the first at voxel "
+          << where(v, first);
+        throw Error(s.str());
+    }
+}
+
+bool badRgb(const Rgb& c, float lo, float hi) {
+    return !(isFinite(c) && minComponent(c) >= lo && maxComponent(c) <= hi);
+}
+
+bool badCoefficients(const Vec3d& c) { return !isFinite(c) || minComponent(c) < 0; }
+
+} // namespace
+
+void validate(const BaseVolume& v) {
+    const double n = double(v.size.x) * double(v.size.y) * double(v.size.z);
+    if (minComponent(v.size) < 1 || maxComponent(v.size) > (1 << 20) || n > double(kMaxVoxels)) {
+        std::ostringstream s;
+        s << "tile size " << v.size.x << " x " << v.size.y << " x " << v.size.z << " is not usable (1 to " << kMaxVoxels
+          << " voxels)";
+        throw Error(s.str());
+    }
+    if (!isFinite(v.voxelMm) || minComponent(v.voxelMm) <= 0) {
+        throw Error("voxel size must be positive and finite");
+    }
+    check(v, "extinction", v.extinction, true, "negative, above 1e9 or not finite",
+          [](const Rgb& c) { return badRgb(c, 0, 1e9f); });
+    check(v, "albedo", v.albedo, true, "outside 0..1 or not finite", [](const Rgb& c) { return badRgb(c, 0, 1); });
+    check(v, "g", v.g, false, "outside -1 < g < 1 or not finite", [](float x) { return !(x > -1 && x < 1); });
+    check(v, "ior", v.ior, false, "outside 0.1..10 or not finite", [](float x) { return !(x >= 0.1f && x <= 10); });
+    check(v, "surface", v.surface, false, "not finite", [](float x) { return !std::isfinite(x); });
+    check(v, "emission", v.emission, false, "negative or not finite", [](const Rgb& c) { return badRgb(c, 0, 1e30f); });
+    if (badCoefficients(v.coreSigmaA) || badCoefficients(v.coreSigmaSPrime)) {
+        throw Error("core coefficients must be finite and not negative");
+    }
+}
+
+bool BaseVolume::laterallyUniform() const {
+    const std::size_t layer = std::size_t(size.x) * std::size_t(size.y);
+    for (std::size_t i = 0; i < voxelCount(); ++i) {
+        const std::size_t j = i / layer * layer;
+        if (extinction[i] != extinction[j] || albedo[i] != albedo[j] || (!g.empty() && g[i] != g[j])) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool BaseVolume::hasRelief() const {
+    for (const Rgb& k : extinction) {
+        if (maxComponent(k) == 0) {
+            return true;
+        }
+    }
+    for (float d : surface) {
+        if (d > 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+std::string BaseVolume::contentHash() const {
+    const std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state(XXH3_createState(), XXH3_freeState);
+    XXH3_128bits_reset(state.get());
+    const auto add = [&](const auto& values) {
+        const std::size_t count = values.size();
+        XXH3_128bits_update(state.get(), &count, sizeof count);
+        XXH3_128bits_update(state.get(), values.data(), count * sizeof values[0]);
+    };
+    XXH3_128bits_update(state.get(), &size, sizeof size);
+    XXH3_128bits_update(state.get(), &voxelMm, sizeof voxelMm);
+    add(extinction);
+    add(albedo);
+    add(g);
+    add(ior);
+    add(surface);
+    const XXH128_hash_t hash = XXH3_128bits_digest(state.get());
+    char text[33];
+    std::snprintf(text, sizeof text, "%016llx%016llx", static_cast<unsigned long long>(hash.high64),
+                  static_cast<unsigned long long>(hash.low64));
+    return text;
+}
+
+} // namespace stf

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stfLib/volume/make_samples.h"
+
+#include <cmath>
+
+#define STB_PERLIN_IMPLEMENTATION
+#if defined(__GNUC__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wshadow"
+#pragma GCC diagnostic ignored "-Wunused-function"
+#endif
+#include <stb_perlin.h>
+#if defined(__GNUC__)
+#pragma GCC diagnostic pop
+#endif
+
+namespace stf {
+
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+// Gradient noise over the tile, periodic in x and y: `cells` lattice cells (a power of two) along the tile.
+struct TileNoise {
+    double tile; // mm
+    std::uint32_t seed;
+    float operator()(const Vec3d& mm, int cells, std::uint32_t salt) const {
+        const double f = cells / tile;
+        // The lattice repeats every `cells` in z too; an offset by the salt keeps octaves apart.
+        return stb_perlin_noise3_seed(float(mm.x * f), float(mm.y * f), float(mm.z * f), cells, cells, 0,
+                                      int((seed * 7919u + salt * 104729u) & 0xff));
+    }
+};
+
+double smoothStep(double lo, double hi, double x) {
+    const double t = std::clamp((x - lo) / (hi - lo), 0.0, 1.0);
+    return t * t * (3 - 2 * t);
+}
+
+BaseVolume blank(const char* name, const SampleOptions& options, const Vec3i& size, double voxelMm) {
+    BaseVolume v;
+    v.name = name;
+    v.size = options.size == Vec3i(0, 0, 0) ? size : options.size;
+    v.voxelMm = Vec3d(options.voxelMm > 0 ? options.voxelMm : voxelMm);
+    const double n = double(v.size.x) * double(v.size.y) * double(v.size.z);
+    if (minComponent(v.size) < 1 || n > double(kMaxVoxels)) {
+        throw Error("sample size is not usable (1 to " + std::to_string(kMaxVoxels) + " voxels)");
+    }
+    v.extinction.resize(v.voxelCount());
+    v.albedo.resize(v.voxelCount());
+    return v;
+}
+
+void setMedium(BaseVolume& v, std::size_t i, const Vec3d& sigmaA, const Vec3d& sigmaS, double coverage) {
+    const Vec3d extinction = (sigmaA + sigmaS) * coverage;
+    v.extinction[i] = Rgb(extinction);
+    v.albedo[i] = {float(sigmaS.x / (sigmaA.x + sigmaS.x)), float(sigmaS.y / (sigmaA.y + sigmaS.y)),
+                   float(sigmaS.z / (sigmaA.z + sigmaS.z))};
+}
+
+template <class F>
+void forEachVoxel(const BaseVolume& v, F f) {
+    for (int z = 0; z < v.size.z; ++z) {
+        for (int y = 0; y < v.size.y; ++y) {
+            for (int x = 0; x < v.size.x; ++x) {
+                f(v.index(x, y, z), Vec3d((x + 0.5) * v.voxelMm.x, (y + 0.5) * v.voxelMm.y, (z + 0.5) * v.voxelMm.z));
+            }
+        }
+    }
+}
+
+BaseVolume makeMarble(const SampleOptions& options) {
+    BaseVolume v = blank("marble", options, {96, 96, 20}, 0.4);
+    // Reduced coefficients of marble, 1/mm (Jensen et al. 2001), taken with g = 0.
+    const Vec3d sigmaS{2.19, 2.62, 3.00}, sigmaA{0.0021, 0.0041, 0.0071};
+    // Veins: iron-stained calcite, absorbing a hundred times as much and scattering a little less.
+    const Vec3d veinA{0.20, 0.27, 0.36}, stainA{0.012, 0.030, 0.075};
+    const TileNoise noise{v.extentMm().x, options.seed};
+    forEachVoxel(v, [&](std::size_t i, const Vec3d& mm) {
+        // Domain warping bends the veins; it is periodic since the noise is.
+        const double w = 0.16 * noise.tile;
+        const Vec3d p = mm + Vec3d(noise(mm, 2, 1), noise(mm, 2, 2), noise(mm, 2, 3)) * w +
+                        Vec3d(noise(mm, 8, 4), noise(mm, 8, 5), noise(mm, 8, 6)) * (0.14 * w);
+        const double broad = std::abs(noise(p, 2, 7)), fine = std::abs(noise(p, 4, 8) + 0.25 * noise(p, 16, 9));
+        const double strength = smoothStep(-0.25, 0.35, noise(mm, 4, 10));
+        double vein = strength * std::exp(-broad * broad / (2 * 0.022 * 0.022));
+        vein += 0.45 * (1 - strength) * std::exp(-fine * fine / (2 * 0.018 * 0.018));
+        vein = std::min(1.0, vein);
+        const double stain = smoothStep(0.30, 0.0, broad) * (0.4 + 0.6 * strength);
+        setMedium(v, i, sigmaA + stainA * stain + veinA * vein, sigmaS * (1 - 0.25 * vein), 1.0);
+    });
+    v.coreSigmaA = sigmaA + stainA * 0.25 + veinA * 0.03;
+    v.coreSigmaSPrime = sigmaS;
+    return v;
+}
+
+// Height of the wax above the valleys, 0..1: a rosette on a lattice, unchanged by every symmetry of the square.
+double waxHeight(double u, double w) {
+    const double cu = std::cos(2 * kPi * u), cw = std::cos(2 * kPi * w);
+    const double dome = smoothStep(-0.75, 1.25, cu + cw);
+    const double ring = std::exp(-std::pow((cu + cw - 0.55) / 0.22, 2));
+    const double stud = smoothStep(1.15, 1.8, -(cu + cw));
+    return std::clamp(0.55 * dome + 0.30 * ring + 0.65 * stud, 0.0, 1.0);
+}
+
+BaseVolume makeWax(const SampleOptions& options) {
+    BaseVolume v = blank("wax", options, {64, 64, 32}, 10.0 / 64);
+    const Vec3d sigmaS{2.3, 2.0, 1.5}, sigmaA{0.0035, 0.016, 0.075};
+    const Vec3d extent = v.extentMm();
+    const double relief = std::min(1.6, 0.4 * extent.z);
+    v.surface.resize(v.voxelCount());
+    // Depth of the wax surface below the tile's top; the highest point touches the top.
+    const auto depthAt = [&](double x, double y) { return relief * (1 - waxHeight(x / extent.x, y / extent.y)); };
+    forEachVoxel(v, [&](std::size_t i, const Vec3d& mm) {
+        const double e = 0.25 * v.voxelMm.x;
+        const double sx = (depthAt(mm.x + e, mm.y) - depthAt(mm.x - e, mm.y)) / (2 * e);
+        const double sy = (depthAt(mm.x, mm.y + e) - depthAt(mm.x, mm.y - e)) / (2 * e);
+        // Distance to the tangent plane: exact for a plane, and positive outside.
+        v.surface[i] = float((depthAt(mm.x, mm.y) - mm.z) / std::sqrt(1 + sx * sx + sy * sy));
+        // Share of the voxel that is filled, by sub-columns; coefficients scale with it, so no staircase is seen.
+        const int n = 4;
+        double filled = 0;
+        for (int b = 0; b < n; ++b) {
+            for (int a = 0; a < n; ++a) {
+                const double d = depthAt(mm.x + ((a + 0.5) / n - 0.5) * v.voxelMm.x,
+                                         mm.y + ((b + 0.5) / n - 0.5) * v.voxelMm.y);
+                filled += std::clamp((mm.z + 0.5 * v.voxelMm.z - d) / v.voxelMm.z, 0.0, 1.0) / (n * n);
+            }
+        }
+        setMedium(v, i, sigmaA, sigmaS, filled < 1e-4 ? 0.0 : filled);
+    });
+    v.coreSigmaA = sigmaA;
+    v.coreSigmaSPrime = sigmaS;
+    return v;
+}
+
+BaseVolume makeUniform(const SampleOptions& options) {
+    BaseVolume v = blank("uniform", options, {1, 1, 32}, 0.25);
+    std::fill(v.extinction.begin(), v.extinction.end(), options.extinction);
+    std::fill(v.albedo.begin(), v.albedo.end(), options.albedo);
+    if (options.g != 0) {
+        v.g.assign(v.voxelCount(), options.g);
+    }
+    const Vec3d kappa(options.extinction), albedo(options.albedo);
+    v.coreSigmaA = kappa * (Vec3d(1.0) - albedo);
+    v.coreSigmaSPrime = kappa * albedo * (1.0 - double(options.g));
+    return v;
+}
+
+} // namespace
+
+const std::vector<SampleInfo>& sampleNames() {
+    static const std::vector<SampleInfo> names{
+        {"marble", "white marble with rust-coloured veins, 38 x 38 x 8 mm"},
+        {"wax", "warm wax with a raised rosette pattern, 10 x 10 x 5 mm"},
+        {"uniform", "homogeneous medium by --extinction, --albedo, --g"},
+    };
+    return names;
+}
+
+BaseVolume makeSample(const std::string& name, const SampleOptions& options) {
+    BaseVolume v;
+    if (name == "marble") {
+        v = makeMarble(options);
+    } else if (name == "wax") {
+        v = makeWax(options);
+    } else if (name == "uniform") {
+        v = makeUniform(options);
+    } else {
+        std::string known;
+        for (const SampleInfo& info : sampleNames()) {
+            known += (known.empty() ? "" : ", ") + info.name;
+        }
+        throw Error("no sample named '" + name + "' (known: " + known + ")");
+    }
+    validate(v);
+    return v;
+}
+
+} // namespace stf

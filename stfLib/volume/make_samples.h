@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "stfLib/volume/base_volume.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace stf {
+
+struct SampleOptions {
+    Vec3i size{0, 0, 0}; ///< voxels; 0: the sample's own default
+    double voxelMm = 0;  ///< edge of a voxel; 0: the sample's own default
+    std::uint32_t seed = 0;
+    // Of the sample "uniform" only.
+    Rgb extinction{1.0f};
+    Rgb albedo{0.9f};
+    float g = 0;
+};
+
+/// Names that `makeSample` knows, with a line of description each.
+struct SampleInfo {
+    std::string name, description;
+};
+const std::vector<SampleInfo>& sampleNames();
+
+/// Makes a modelled base volume. `marble`: Jensen et al. 2001 marble (SIGGRAPH, table 1) with darker veins of
+/// domain-warped ridged noise; `wax`: a warm wax whose top carries a raised pattern with the symmetry of the square, so
+/// that tiles fit along any edge; `uniform`: homogeneous, by the options. All are periodic in x and y.
+/// Deterministic by seed. Throws Error for an unknown name or an absurd size.
+BaseVolume makeSample(const std::string& name, const SampleOptions& options);
+
+} // namespace stf
