@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stfLib/surface/ray_scene.h"
+
+#include "stfLib/base/error.h"
+
+#if __has_include(<embree4/rtcore.h>)
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
+
+#include <algorithm>
+
+namespace stf {
+
+namespace {
+
+/// One device per process, made at the first use and never released: hosts unload plug-ins in any order, and Embree's
+/// threads must not outlive a static destructor.
+RTCDevice sharedDevice() {
+    static RTCDevice const device = rtcNewDevice(nullptr);
+    if (!device) {
+        throw Error("Embree cannot be started");
+    }
+    return device;
+}
+
+/// Owns an Embree scene.
+class Scene {
+public:
+    Scene() : scene_(rtcNewScene(sharedDevice())) { rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST); }
+    ~Scene() { rtcReleaseScene(scene_); }
+    Scene(const Scene&) = delete;
+    Scene& operator=(const Scene&) = delete;
+    RTCScene get() const { return scene_; }
+
+private:
+    RTCScene scene_;
+};
+
+void addTriangles(RTCScene scene, const std::vector<Vec3f>& points, const std::vector<Vec3i>& triangles) {
+    RTCGeometry geometry = rtcNewGeometry(sharedDevice(), RTC_GEOMETRY_TYPE_TRIANGLE);
+    // Buffers made by Embree are padded as its 16-byte loads need.
+    auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                                                 3 * sizeof(float), points.size()));
+    auto* indices = static_cast<unsigned*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                                                   3 * sizeof(unsigned), triangles.size()));
+    if (!vertices || !indices) {
+        rtcReleaseGeometry(geometry);
+        throw Error("Embree has no memory for " + std::to_string(triangles.size()) + " triangles");
+    }
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        vertices[3 * i] = points[i].x;
+        vertices[3 * i + 1] = points[i].y;
+        vertices[3 * i + 2] = points[i].z;
+    }
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+        indices[3 * i] = unsigned(triangles[i].x);
+        indices[3 * i + 1] = unsigned(triangles[i].y);
+        indices[3 * i + 2] = unsigned(triangles[i].z);
+    }
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(scene, geometry);
+    rtcReleaseGeometry(geometry);
+}
+
+bool traceable(const Ray& ray) {
+    return isFinite(ray.origin) && isFinite(ray.direction) && dot(ray.direction, ray.direction) > 0 &&
+           ray.tNear <= ray.tFar;
+}
+
+void fill(const Ray& ray, RTCRay& out) {
+    out.org_x = ray.origin.x;
+    out.org_y = ray.origin.y;
+    out.org_z = ray.origin.z;
+    out.tnear = std::max(0.0f, ray.tNear);
+    out.dir_x = ray.direction.x;
+    out.dir_y = ray.direction.y;
+    out.dir_z = ray.direction.z;
+    out.time = 0;
+    out.tfar = ray.tFar;
+    out.mask = ~0u;
+    out.id = 0;
+    out.flags = 0;
+}
+
+/// Nearest hit nearer than `ray.tFar`; `instance` receives the number of the instance in the scene.
+bool nearest(RTCScene scene, const Ray& ray, RayHit& hit, unsigned* instance) {
+    RTCRayHit rayHit;
+    fill(ray, rayHit.ray);
+    rayHit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    rayHit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+#if RTC_VERSION_MAJOR >= 4
+    rtcIntersect1(scene, &rayHit);
+#else
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcIntersect1(scene, &context, &rayHit);
+#endif
+    if (rayHit.hit.geomID == RTC_INVALID_GEOMETRY_ID) {
+        return false;
+    }
+    hit.t = rayHit.ray.tfar;
+    hit.geometricNormal = {rayHit.hit.Ng_x, rayHit.hit.Ng_y, rayHit.hit.Ng_z};
+    hit.u = rayHit.hit.u;
+    hit.v = rayHit.hit.v;
+    hit.triangle = rayHit.hit.primID;
+    if (instance) {
+        *instance = rayHit.hit.instID[0];
+    }
+    return true;
+}
+
+bool anyHit(RTCScene scene, const Ray& ray) {
+    RTCRay rtcRay;
+    fill(ray, rtcRay);
+#if RTC_VERSION_MAJOR >= 4
+    rtcOccluded1(scene, &rtcRay);
+#else
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcOccluded1(scene, &context, &rtcRay);
+#endif
+    return rtcRay.tfar < 0;
+}
+
+} // namespace
+
+/// Surface and inner boundary are scenes of their own: Embree's ray masks are a build option, and instances show the
+/// surface only.
+struct RayMesh::Impl {
+    Scene surface;
+    std::unique_ptr<Scene> inner;
+};
+
+RayMesh::RayMesh(std::vector<Vec3f> points, std::vector<Vec3i> triangles, std::vector<Vec3f> innerPoints)
+    : impl_(std::make_unique<Impl>()) {
+    if (!innerPoints.empty() && innerPoints.size() != points.size()) {
+        throw Error("the inner boundary has another number of points than the surface");
+    }
+    for (const Vec3i& t : triangles) {
+        for (int c = 0; c < 3; ++c) {
+            if (t[c] < 0 || std::size_t(t[c]) >= points.size()) {
+                throw Error("a triangle names a point that does not exist");
+            }
+        }
+    }
+    if (!triangles.empty()) {
+        addTriangles(impl_->surface.get(), points, triangles);
+    }
+    rtcCommitScene(impl_->surface.get());
+    if (!innerPoints.empty()) {
+        impl_->inner = std::make_unique<Scene>();
+        if (!triangles.empty()) {
+            addTriangles(impl_->inner->get(), innerPoints, triangles);
+        }
+        rtcCommitScene(impl_->inner->get());
+    }
+}
+
+RayMesh::~RayMesh() = default;
+
+bool RayMesh::intersect(const Ray& objectRay, RayHit& hit, unsigned mask) const {
+    if (!traceable(objectRay)) {
+        return false;
+    }
+    Ray ray = objectRay;
+    bool found = false;
+    if ((mask & 1u) && nearest(impl_->surface.get(), ray, hit, nullptr)) {
+        hit.geometry = 0;
+        ray.tFar = hit.t;
+        found = true;
+    }
+    if ((mask & 2u) && impl_->inner && nearest(impl_->inner->get(), ray, hit, nullptr)) {
+        hit.geometry = 1;
+        found = true;
+    }
+    if (found) {
+        hit.instance = 0;
+    }
+    return found;
+}
+
+bool RayMesh::occluded(const Ray& objectRay, unsigned mask) const {
+    return traceable(objectRay) && (((mask & 1u) && anyHit(impl_->surface.get(), objectRay)) ||
+                                    ((mask & 2u) && impl_->inner && anyHit(impl_->inner->get(), objectRay)));
+}
+
+struct RayScene::Impl {
+    Scene scene;
+    std::vector<std::uint32_t> ids;                     ///< by Embree's number of the instance
+    std::vector<std::shared_ptr<const RayMesh>> meshes; ///< kept alive as long as the scene
+};
+
+RayScene::RayScene(const std::vector<RayInstance>& instances) : impl_(std::make_unique<Impl>()) {
+    for (const RayInstance& instance : instances) {
+        if (!instance.visible || !instance.mesh || !instance.objectToWorld.invertible()) {
+            continue;
+        }
+        const Transform& m = instance.objectToWorld;
+        const float columns[12] = {float(m.x.x),           float(m.x.y),           float(m.x.z),
+                                   float(m.y.x),           float(m.y.y),           float(m.y.z),
+                                   float(m.z.x),           float(m.z.y),           float(m.z.z),
+                                   float(m.translation.x), float(m.translation.y), float(m.translation.z)};
+        if (!std::all_of(columns, columns + 12, [](float f) { return std::abs(f) < 1e18f; })) {
+            continue;
+        }
+        RTCGeometry geometry = rtcNewGeometry(sharedDevice(), RTC_GEOMETRY_TYPE_INSTANCE);
+        rtcSetGeometryInstancedScene(geometry, instance.mesh->impl().surface.get());
+        rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns);
+        rtcCommitGeometry(geometry);
+        rtcAttachGeometryByID(impl_->scene.get(), geometry, unsigned(impl_->ids.size()));
+        rtcReleaseGeometry(geometry);
+        impl_->ids.push_back(instance.id);
+        impl_->meshes.push_back(instance.mesh);
+    }
+    rtcCommitScene(impl_->scene.get());
+}
+
+RayScene::~RayScene() = default;
+
+bool RayScene::intersect(const Ray& worldRay, RayHit& hit) const {
+    unsigned instance = 0;
+    if (!traceable(worldRay) || !nearest(impl_->scene.get(), worldRay, hit, &instance)) {
+        return false;
+    }
+    hit.geometry = 0;
+    hit.instance = impl_->ids[instance];
+    return true;
+}
+
+bool RayScene::occluded(const Ray& worldRay) const {
+    return traceable(worldRay) && anyHit(impl_->scene.get(), worldRay);
+}
+
+Box3f RayScene::bounds() const {
+    Box3f box;
+    if (impl_->ids.empty()) {
+        return box;
+    }
+    RTCBounds b;
+    rtcGetSceneBounds(impl_->scene.get(), &b);
+    if (b.lower_x <= b.upper_x) {
+        box.add({b.lower_x, b.lower_y, b.lower_z});
+        box.add({b.upper_x, b.upper_y, b.upper_z});
+    }
+    return box;
+}
+
+} // namespace stf

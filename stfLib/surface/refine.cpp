@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stfLib/surface/refine_parts.h"
+
+#include <algorithm>
+
+namespace stf {
+
+namespace {
+
+/// The same surface seen with the other winding; arrays per face vertex are turned along.
+ControlMesh turned(const ControlMesh& mesh) {
+    ControlMesh out = mesh;
+    out.leftHanded = false;
+    const bool turnNormals =
+        mesh.normalInterpolation == ControlMesh::Interpolation::FaceVarying && !mesh.normals.empty();
+    const bool turnColors = mesh.colorInterpolation == ControlMesh::Interpolation::FaceVarying && !mesh.colors.empty();
+    std::size_t begin = 0;
+    for (int count : mesh.faceVertexCounts) {
+        // The first vertex stays, as OpenSubdiv has it for left-handed meshes.
+        const auto turn = [&](auto& values) {
+            std::reverse(values.begin() + std::ptrdiff_t(begin + 1),
+                         values.begin() + std::ptrdiff_t(begin + std::size_t(count)));
+        };
+        turn(out.faceVertexIndices);
+        if (!out.uvIndices.empty()) {
+            turn(out.uvIndices);
+        }
+        if (turnNormals) {
+            turn(out.normals);
+        }
+        if (turnColors) {
+            turn(out.colors);
+        }
+        begin += std::size_t(count);
+    }
+    return out;
+}
+
+/// Removes points and uvs that no triangle uses and fills the bounds.
+void compact(RefinedSurface& surface) {
+    std::vector<int> number(surface.points.size(), -1);
+    for (const Vec3i& t : surface.triangles) {
+        number[std::size_t(t.x)] = number[std::size_t(t.y)] = number[std::size_t(t.z)] = 0;
+    }
+    int used = 0;
+    for (std::size_t i = 0; i < number.size(); ++i) {
+        if (number[i] < 0) {
+            continue;
+        }
+        number[i] = used;
+        surface.points[std::size_t(used)] = surface.points[i];
+        surface.normals[std::size_t(used)] = surface.normals[i];
+        if (!surface.colors.empty()) {
+            surface.colors[std::size_t(used)] = surface.colors[i];
+        }
+        surface.bounds.add(surface.points[std::size_t(used)]);
+        ++used;
+    }
+    surface.points.resize(std::size_t(used));
+    surface.normals.resize(std::size_t(used));
+    if (!surface.colors.empty()) {
+        surface.colors.resize(std::size_t(used));
+    }
+    for (Vec3i& t : surface.triangles) {
+        t = {number[std::size_t(t.x)], number[std::size_t(t.y)], number[std::size_t(t.z)]};
+    }
+
+    number.assign(surface.uvs.size(), -1);
+    for (const Vec3i& t : surface.uvTriangles) {
+        number[std::size_t(t.x)] = number[std::size_t(t.y)] = number[std::size_t(t.z)] = 0;
+    }
+    used = 0;
+    for (std::size_t i = 0; i < number.size(); ++i) {
+        if (number[i] == 0) {
+            surface.uvs[std::size_t(used)] = surface.uvs[i];
+            number[i] = used++;
+        }
+    }
+    surface.uvs.resize(std::size_t(used));
+    for (Vec3i& t : surface.uvTriangles) {
+        t = {number[std::size_t(t.x)], number[std::size_t(t.y)], number[std::size_t(t.z)]};
+    }
+}
+
+} // namespace
+
+RefinedSurface refine(const ControlMesh& mesh, const RefineOptions& options, const MessageSink& messages) {
+    if (mesh.faceVertexCounts.empty()) {
+        throw Error("the mesh has no usable face");
+    }
+    if (mesh.leftHanded) {
+        return refine(turned(mesh), options, messages);
+    }
+    RefinedSurface surface = mesh.scheme == ControlMesh::Scheme::None ? refinePolygons(mesh, options, messages)
+                                                                      : refineSubdivision(mesh, options, messages);
+    compact(surface);
+    if (surface.triangles.empty()) {
+        throw Error("the mesh has no usable face: all are holes");
+    }
+    return surface;
+}
+
+float cornerAngle(const std::vector<Vec3f>& points, const Vec3i& triangle, int c) {
+    const Vec3d p(points[std::size_t(triangle[c])]);
+    const Vec3d a = Vec3d(points[std::size_t(triangle[(c + 1) % 3])]) - p;
+    const Vec3d b = Vec3d(points[std::size_t(triangle[(c + 2) % 3])]) - p;
+    return float(std::atan2(length(cross(a, b)), dot(a, b)));
+}
+
+std::vector<Vec3f> angleWeightedNormals(const std::vector<Vec3f>& points, const std::vector<Vec3i>& triangles,
+                                        const std::vector<Vec3f>& cornerNormals) {
+    std::vector<Vec3d> sum(points.size());
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+        const Vec3i& tri = triangles[t];
+        const Vec3d p(points[std::size_t(tri.x)]);
+        const Vec3d facet =
+            normalize(cross(Vec3d(points[std::size_t(tri.y)]) - p, Vec3d(points[std::size_t(tri.z)]) - p));
+        for (int c = 0; c < 3; ++c) {
+            const Vec3d n = cornerNormals.empty() ? facet : Vec3d(cornerNormals[3 * t + std::size_t(c)]);
+            sum[std::size_t(tri[c])] += n * double(cornerAngle(points, tri, c));
+        }
+    }
+    std::vector<Vec3f> normals(points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        // Opposite facets cancel: what is left over is rounding, not a direction.
+        normals[i] = length(sum[i]) > 1e-6 ? Vec3f(normalize(sum[i])) : Vec3f();
+    }
+    return normals;
+}
+
+std::vector<Rgb> controlPointColors(const ControlMesh& mesh) {
+    using Interpolation = ControlMesh::Interpolation;
+    if (mesh.colors.empty()) {
+        return {};
+    }
+    if (mesh.colorInterpolation == Interpolation::Vertex) {
+        return mesh.colors;
+    }
+    std::vector<Rgb> colors(mesh.points.size(), mesh.colors[0]);
+    if (mesh.colorInterpolation == Interpolation::Constant) {
+        return colors;
+    }
+    std::vector<int> uses(mesh.points.size(), 0);
+    std::size_t corner = 0;
+    for (std::size_t f = 0; f < mesh.faceVertexCounts.size(); ++f) {
+        for (int i = 0; i < mesh.faceVertexCounts[f]; ++i, ++corner) {
+            const std::size_t v = std::size_t(mesh.faceVertexIndices[corner]);
+            const Rgb& c = mesh.colors[mesh.colorInterpolation == Interpolation::Uniform ? f : corner];
+            colors[v] = uses[v]++ ? colors[v] + c : c;
+        }
+    }
+    for (std::size_t v = 0; v < colors.size(); ++v) {
+        colors[v] /= float(std::max(1, uses[v]));
+    }
+    return colors;
+}
+
+double typicalLargest(std::vector<double>& lengths) {
+    if (lengths.empty()) {
+        return 0;
+    }
+    const auto at = lengths.begin() + std::ptrdiff_t(double(lengths.size() - 1) * 0.95);
+    std::nth_element(lengths.begin(), at, lengths.end());
+    return *at;
+}
+
+void weldUvs(const ControlMesh& mesh, std::vector<Vec2f>& uvs, std::vector<int>& uvIndices) {
+    // Per control point a short chain of the values met there.
+    std::vector<int> first(mesh.points.size(), -1);
+    std::vector<int> next;
+    uvs.clear();
+    uvIndices.resize(mesh.uvIndices.size());
+    for (std::size_t i = 0; i < mesh.uvIndices.size(); ++i) {
+        const Vec2f uv = mesh.uvs[std::size_t(mesh.uvIndices[i])];
+        int& head = first[std::size_t(mesh.faceVertexIndices[i])];
+        int found = head;
+        while (found >= 0 && !(uvs[std::size_t(found)] == uv)) {
+            found = next[std::size_t(found)];
+        }
+        if (found < 0) {
+            found = int(uvs.size());
+            uvs.push_back(uv);
+            next.push_back(head);
+            head = found;
+        }
+        uvIndices[i] = found;
+    }
+}
+
+} // namespace stf

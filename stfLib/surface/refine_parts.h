@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Private to the surface layer: what subdivision and polygon refinement share.
+
+#include "stfLib/surface/refined_surface.h"
+
+namespace stf {
+
+RefinedSurface refineSubdivision(const ControlMesh& mesh, const RefineOptions& options, const MessageSink& messages);
+RefinedSurface refinePolygons(const ControlMesh& mesh, const RefineOptions& options, const MessageSink& messages);
+
+/// Sum of the triangles' normals at each point, weighted by the angle there, so that it does not depend on the
+/// triangulation of planar faces. `cornerNormals` (3 per triangle), where not empty, replace the triangles' own. Unit,
+/// or zero where nothing is known.
+std::vector<Vec3f> angleWeightedNormals(const std::vector<Vec3f>& points, const std::vector<Vec3i>& triangles,
+                                        const std::vector<Vec3f>& cornerNormals = {});
+
+/// Angle at corner `c` of a triangle, radians.
+float cornerAngle(const std::vector<Vec3f>& points, const Vec3i& triangle, int c);
+
+/// Triangulates one face, given by its corners in order: a shortest valid diagonal for quads, ear clipping for concave
+/// polygons, a fan otherwise. Appends triples of local corner numbers.
+void triangulateFace(const std::vector<Vec3d>& corners, std::vector<Vec3i>& out);
+
+/// One colour per control point; colours of faces and face vertices are averaged there. Empty: the mesh has none.
+std::vector<Rgb> controlPointColors(const ControlMesh& mesh);
+
+/// The 95th percentile of lengths; reorders them.
+double typicalLargest(std::vector<double>& lengths);
+
+/// Texture coordinates get a vertex of their own per (point, value) pair: values equal at a point are merged, so that
+/// unindexed face-varying data does not cut the surface along every edge.
+void weldUvs(const ControlMesh& mesh, std::vector<Vec2f>& uvs, std::vector<int>& uvIndices);
+
+} // namespace stf

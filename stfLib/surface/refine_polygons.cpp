@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stfLib/surface/refine_parts.h"
+
+#include <cstdint>
+#include <unordered_map>
+
+namespace stf {
+
+namespace {
+
+/// Normal of a whole polygon (Newell); zero where degenerate.
+Vec3d polygonNormal(const std::vector<Vec3d>& corners) {
+    Vec3d sum;
+    for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
+        sum += cross(corners[i] - corners[0], corners[i + 1] - corners[0]);
+    }
+    return normalize(sum);
+}
+
+/// Triangulates all faces but holes; corner normals are authored ones, else the facets'.
+void triangulate(const ControlMesh& mesh, RefinedSurface& surface) {
+    using Interpolation = ControlMesh::Interpolation;
+    std::vector<int> uvIndices;
+    if (!mesh.uvIndices.empty()) {
+        weldUvs(mesh, surface.uvs, uvIndices);
+    }
+    std::vector<char> hole(mesh.faceVertexCounts.size(), 0);
+    for (int f : mesh.holeIndices) {
+        hole[std::size_t(f)] = 1;
+    }
+    std::vector<Vec3d> corners;
+    std::vector<Vec3i> triangles;
+    std::size_t begin = 0;
+    for (std::size_t f = 0; f < mesh.faceVertexCounts.size(); ++f) {
+        const std::size_t count = std::size_t(mesh.faceVertexCounts[f]);
+        if (!hole[f]) {
+            corners.clear();
+            for (std::size_t i = 0; i < count; ++i) {
+                corners.emplace_back(mesh.points[std::size_t(mesh.faceVertexIndices[begin + i])]);
+            }
+            triangles.clear();
+            triangulateFace(corners, triangles);
+            const Vec3f facet(polygonNormal(corners));
+            for (const Vec3i& t : triangles) {
+                const auto pick = [&](const std::vector<int>& from) {
+                    return Vec3i(from[begin + std::size_t(t.x)], from[begin + std::size_t(t.y)],
+                                 from[begin + std::size_t(t.z)]);
+                };
+                surface.triangles.push_back(pick(mesh.faceVertexIndices));
+                surface.triangleFace.push_back(int(f));
+                if (!uvIndices.empty()) {
+                    surface.uvTriangles.push_back(pick(uvIndices));
+                }
+                for (int c = 0; c < 3; ++c) {
+                    const std::size_t corner = begin + std::size_t(t[c]);
+                    Vec3f n;
+                    if (!mesh.normals.empty()) {
+                        const std::size_t which = mesh.normalInterpolation == Interpolation::Constant  ? 0
+                                                  : mesh.normalInterpolation == Interpolation::Uniform ? f
+                                                  : mesh.normalInterpolation == Interpolation::Vertex
+                                                      ? std::size_t(mesh.faceVertexIndices[corner])
+                                                      : corner;
+                        n = normalize(mesh.normals[which]);
+                    }
+                    // Authored normals that look away from their face are errors of export.
+                    surface.cornerNormals.push_back(dot(n, facet) > 0.05f ? n : facet);
+                }
+            }
+        }
+        begin += count;
+    }
+}
+
+/// Points that nothing gives a direction to (folded sheets) still need one.
+void fillMissingNormals(RefinedSurface& surface) {
+    for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+        for (int c = 0; c < 3; ++c) {
+            Vec3f& n = surface.normals[std::size_t(surface.triangles[t][c])];
+            if (!(dot(n, n) > 0.5f)) {
+                n = surface.cornerNormals[3 * t + std::size_t(c)];
+            }
+            if (!(dot(n, n) > 0.5f)) {
+                n = {0, 0, 1};
+            }
+        }
+    }
+}
+
+/// Numbers the midpoints of edges; a midpoint is shared by all triangles at its edge, so that no crack can open.
+class Midpoints {
+public:
+    explicit Midpoints(std::size_t expected) { numbers_.reserve(expected); }
+
+    /// Calls `make(a, b)` for a new edge, which has to append its midpoint to whatever is numbered.
+    template<class Make>
+    int get(int a, int b, int next, const Make& make) {
+        const std::uint64_t key = std::uint64_t(std::min(a, b)) << 32 | std::uint32_t(std::max(a, b));
+        const auto [it, added] = numbers_.try_emplace(key, next);
+        if (added) {
+            make(std::size_t(a), std::size_t(b));
+        }
+        return it->second;
+    }
+
+private:
+    std::unordered_map<std::uint64_t, int> numbers_;
+};
+
+void appendQuarters(const Vec3i& t, const Vec3i& m, std::vector<Vec3i>& out) {
+    out.push_back({t.x, m.x, m.z});
+    out.push_back({m.x, t.y, m.y});
+    out.push_back({m.z, m.y, t.z});
+    out.push_back({m.x, m.y, m.z});
+}
+
+/// Replaces every triangle by four.
+void split(RefinedSurface& s) {
+    const std::size_t count = s.triangles.size();
+    Midpoints pointMids(count * 3 / 2), uvMids(s.uvs.empty() ? 0 : count * 3 / 2);
+    const auto makePoint = [&](std::size_t a, std::size_t b) {
+        s.points.push_back((s.points[a] + s.points[b]) * 0.5f);
+        const Vec3f n = s.normals[a] + s.normals[b];
+        s.normals.push_back(length(n) > 1e-3f ? normalize(n) : s.normals[a]);
+        if (!s.colors.empty()) {
+            s.colors.push_back((s.colors[a] + s.colors[b]) * 0.5f);
+        }
+    };
+    const auto makeUv = [&](std::size_t a, std::size_t b) { s.uvs.push_back((s.uvs[a] + s.uvs[b]) * 0.5f); };
+
+    std::vector<Vec3i> triangles, uvTriangles;
+    std::vector<Vec3f> cornerNormals;
+    std::vector<int> faces;
+    triangles.reserve(4 * count);
+    for (std::size_t i = 0; i < count; ++i) {
+        const Vec3i t = s.triangles[i];
+        Vec3i m;
+        for (int c = 0; c < 3; ++c) {
+            m[c] = pointMids.get(t[c], t[(c + 1) % 3], int(s.points.size()), makePoint);
+        }
+        appendQuarters(t, m, triangles);
+        faces.insert(faces.end(), 4, s.triangleFace[i]);
+        if (!s.uvTriangles.empty()) {
+            const Vec3i u = s.uvTriangles[i];
+            for (int c = 0; c < 3; ++c) {
+                m[c] = uvMids.get(u[c], u[(c + 1) % 3], int(s.uvs.size()), makeUv);
+            }
+            appendQuarters(u, m, uvTriangles);
+        }
+        if (!s.cornerNormals.empty()) {
+            const Vec3f* n = &s.cornerNormals[3 * i];
+            const Vec3f a = normalize(n[0] + n[1]), b = normalize(n[1] + n[2]), c = normalize(n[2] + n[0]);
+            cornerNormals.insert(cornerNormals.end(), {n[0], a, c, a, n[1], b, c, b, n[2], a, b, c});
+        }
+    }
+    s.triangles.swap(triangles);
+    s.uvTriangles.swap(uvTriangles);
+    s.cornerNormals.swap(cornerNormals);
+    s.triangleFace.swap(faces);
+}
+
+int splitLevels(const RefinedSurface& surface, const RefineOptions& options, const MessageSink& messages) {
+    if (!(options.targetEdge > 0)) {
+        return 0;
+    }
+    std::vector<double> longest;
+    longest.reserve(surface.triangles.size());
+    for (const Vec3i& t : surface.triangles) {
+        double edge = 0;
+        for (int c = 0; c < 3; ++c) {
+            edge = std::max(edge, length(Vec3d(surface.points[std::size_t(t[(c + 1) % 3])]) -
+                                         Vec3d(surface.points[std::size_t(t[c])])));
+        }
+        longest.push_back(edge);
+    }
+    const double typical = typicalLargest(longest);
+    int level = 0;
+    while (level < options.maxLevel && typical / double(1u << level) > double(options.targetEdge)) {
+        ++level;
+    }
+    const int wanted = level;
+    while (level > 0 && (surface.triangles.size() << (2 * level)) > options.maxTriangles) {
+        --level;
+    }
+    if (level < wanted) {
+        report(messages, Severity::Warning,
+               "the mesh is split " + std::to_string(level) + " instead of " + std::to_string(wanted) +
+                   " times to stay below " + std::to_string(options.maxTriangles) + " triangles");
+    }
+    return level;
+}
+
+} // namespace
+
+RefinedSurface refinePolygons(const ControlMesh& mesh, const RefineOptions& options, const MessageSink& messages) {
+    RefinedSurface surface;
+    surface.points = mesh.points;
+    surface.colors = controlPointColors(mesh);
+    triangulate(mesh, surface);
+    // The shell needs one direction per point: the mean of its corners', which for smooth authored normals is just
+    // those.
+    surface.normals = angleWeightedNormals(surface.points, surface.triangles, surface.cornerNormals);
+    fillMissingNormals(surface);
+
+    bool smooth = true;
+    for (std::size_t i = 0; smooth && i < surface.cornerNormals.size(); ++i) {
+        const int point = surface.triangles[i / 3][int(i % 3)];
+        smooth = dot(surface.cornerNormals[i], surface.normals[std::size_t(point)]) > 0.9999f;
+    }
+    if (smooth) {
+        surface.cornerNormals.clear();
+    }
+    for (int level = splitLevels(surface, options, messages); level > 0; --level) {
+        split(surface);
+    }
+    return surface;
+}
+
+} // namespace stf
