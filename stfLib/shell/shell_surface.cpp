@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stfLib/shell/shell_surface.h"
+
+#include "stfLib/base/parallel.h"
+#include "stfLib/surface/ray_scene.h"
+
+#include <cstdio>
+#include <queue>
+
+namespace stf {
+
+namespace {
+
+constexpr float curvatureShare = 0.9f;  ///< of the depth at which the offset folds over
+constexpr float thicknessShare = 0.45f; ///< of the object's local thickness: two shells and a gap
+constexpr float leastShare = 1e-3f;     ///< of the wanted thickness: prisms must not vanish
+constexpr float largestSlope = 0.5f;    ///< of the thickness along the surface, beside clamped points
+
+Vec3d at(const std::vector<Vec3f>& values, int i) {
+    return Vec3d(values[std::size_t(i)]);
+}
+
+/// Depth at which a triangle, moved along its corners' normals, first has no area or turns over; `limit` if later.
+/// With corners P_i - d N_i the doubled area vector is a quadratic in d.
+double foldDepth(const RefinedSurface& surface, const Vec3i& t, double limit) {
+    const Vec3d e1 = at(surface.points, t.y) - at(surface.points, t.x);
+    const Vec3d e2 = at(surface.points, t.z) - at(surface.points, t.x);
+    const Vec3d m1 = at(surface.normals, t.y) - at(surface.normals, t.x);
+    const Vec3d m2 = at(surface.normals, t.z) - at(surface.normals, t.x);
+    const Vec3d n = normalize(at(surface.normals, t.x) + at(surface.normals, t.y) + at(surface.normals, t.z));
+    const double c = dot(cross(e1, e2), n);
+    if (!(c > 0)) {
+        return limit; // degenerate or already turned: nothing to learn from it
+    }
+    const double b = -(dot(cross(e1, m2), n) + dot(cross(m1, e2), n)), a = dot(cross(m1, m2), n);
+    // a d^2 + b d + c = 0, the smallest positive root, by the form that does not cancel.
+    const double discriminant = b * b - 4 * a * c;
+    if (discriminant < 0) {
+        return limit;
+    }
+    const double q = -0.5 * (b + std::copysign(std::sqrt(discriminant), b));
+    double depth = limit;
+    for (double root : {q != 0 ? c / q : -1.0, a != 0 ? q / a : -1.0}) {
+        if (root > 0) {
+            depth = std::min(depth, root);
+        }
+    }
+    return depth;
+}
+
+void limitByCurvature(const RefinedSurface& surface, float thickness, std::vector<float>& limit) {
+    for (const Vec3i& t : surface.triangles) {
+        const double far = 2.0 * double(thickness) / double(curvatureShare);
+        const float most = float(foldDepth(surface, t, far) * double(curvatureShare));
+        for (int c = 0; c < 3; ++c) {
+            limit[std::size_t(t[c])] = std::min(limit[std::size_t(t[c])], most);
+        }
+    }
+}
+
+void limitByOppositeSide(const RefinedSurface& surface, float thickness, std::vector<float>& limit) {
+    const RayMesh mesh(surface.points, surface.triangles);
+    std::vector<float> edge(surface.points.size(), 1e30f);
+    for (const Vec3i& t : surface.triangles) {
+        for (int c = 0; c < 3; ++c) {
+            const int a = t[c], b = t[(c + 1) % 3];
+            const float l = float(length(at(surface.points, a) - at(surface.points, b)));
+            edge[std::size_t(a)] = std::min(edge[std::size_t(a)], l);
+            edge[std::size_t(b)] = std::min(edge[std::size_t(b)], l);
+        }
+    }
+    parallelFor(surface.points.size(), 1024, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            Ray ray;
+            ray.origin = surface.points[i];
+            ray.direction = -surface.normals[i];
+            // Past the point's own triangles, but not past the other side of a thin part.
+            ray.tNear = std::max(
+                1e-2f * std::min(edge[i], thickness),
+                4e-7f * maxComponent(Vec3f(std::abs(ray.origin.x), std::abs(ray.origin.y), std::abs(ray.origin.z))));
+            ray.tFar = 1.01f * thickness / thicknessShare;
+            RayHit hit;
+            // Only a surface seen from within is the other side; others are parts that stand in one another.
+            if (mesh.intersect(ray, hit, 1) && dot(hit.geometricNormal, ray.direction) > 0) {
+                limit[i] = std::min(limit[i], thicknessShare * hit.t);
+            }
+        }
+    });
+}
+
+/// Lowers values beside low ones so that none exceeds a neighbour by more than the slope allows.
+class Spread {
+public:
+    explicit Spread(const RefinedSurface& surface) : surface_(surface), first_(surface.points.size() + 1, 0) {
+        for (const Vec3i& t : surface.triangles) {
+            for (int c = 0; c < 3; ++c) {
+                first_[std::size_t(t[c]) + 1] += 2;
+            }
+        }
+        for (std::size_t i = 1; i < first_.size(); ++i) {
+            first_[i] += first_[i - 1];
+        }
+        neighbours_.resize(first_.back());
+        std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
+        for (const Vec3i& t : surface.triangles) {
+            for (int c = 0; c < 3; ++c) {
+                neighbours_[next[std::size_t(t[c])]++] = t[(c + 1) % 3];
+                neighbours_[next[std::size_t(t[c])]++] = t[(c + 2) % 3];
+            }
+        }
+    }
+
+    void apply(float wanted, std::vector<float>& values) const {
+        using Item = std::pair<float, int>;
+        std::priority_queue<Item, std::vector<Item>, std::greater<Item>> queue;
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            if (values[i] < wanted) {
+                queue.push({values[i], int(i)});
+            }
+        }
+        while (!queue.empty()) {
+            const auto [value, i] = queue.top();
+            queue.pop();
+            if (value > values[std::size_t(i)]) {
+                continue;
+            }
+            for (std::size_t k = first_[std::size_t(i)]; k < first_[std::size_t(i) + 1]; ++k) {
+                const int j = neighbours_[k];
+                const float l = float(length(at(surface_.points, j) - at(surface_.points, i)));
+                const float most = value + largestSlope * l;
+                if (most < values[std::size_t(j)]) {
+                    values[std::size_t(j)] = most;
+                    queue.push({most, j});
+                }
+            }
+        }
+    }
+
+private:
+    const RefinedSurface& surface_;
+    std::vector<std::size_t> first_; ///< neighbours of point i: from first_[i] to first_[i + 1]
+    std::vector<int> neighbours_;
+};
+
+void offset(const RefinedSurface& surface, ShellBoundary& boundary) {
+    boundary.inner.resize(surface.points.size());
+    for (std::size_t i = 0; i < surface.points.size(); ++i) {
+        boundary.inner[i] = Vec3f(Vec3d(surface.points[i]) - Vec3d(surface.normals[i]) * double(boundary.thickness[i]));
+    }
+}
+
+/// Triangles that turned over although each point alone would not: different thicknesses at their corners.
+bool lowerTurned(const RefinedSurface& surface, float least, ShellBoundary& boundary) {
+    std::vector<float> factor(surface.points.size(), 1.0f);
+    bool any = false;
+    for (const Vec3i& t : surface.triangles) {
+        const Vec3d outer =
+            cross(at(surface.points, t.y) - at(surface.points, t.x), at(surface.points, t.z) - at(surface.points, t.x));
+        const Vec3d inner =
+            cross(at(boundary.inner, t.y) - at(boundary.inner, t.x), at(boundary.inner, t.z) - at(boundary.inner, t.x));
+        if (dot(outer, inner) < 0) {
+            for (int c = 0; c < 3; ++c) {
+                any = any || boundary.thickness[std::size_t(t[c])] > least;
+                factor[std::size_t(t[c])] = 0.7f;
+            }
+        }
+    }
+    for (std::size_t i = 0; i < factor.size(); ++i) {
+        boundary.thickness[i] = std::max(least, factor[i] * boundary.thickness[i]);
+    }
+    return any;
+}
+
+} // namespace
+
+ShellBoundary offsetInward(const RefinedSurface& surface, float thickness, const MessageSink& messages) {
+    if (!(thickness > 0) || !std::isfinite(thickness)) {
+        throw Error("the shell's thickness is not positive");
+    }
+    if (surface.normals.size() != surface.points.size()) {
+        throw Error("the surface has no normals");
+    }
+    ShellBoundary boundary;
+    boundary.thickness.assign(surface.points.size(), thickness);
+    limitByCurvature(surface, thickness, boundary.thickness);
+    limitByOppositeSide(surface, thickness, boundary.thickness);
+
+    const float least = leastShare * thickness;
+    for (float& t : boundary.thickness) {
+        t = std::max(least, t); // NaN: least
+    }
+    const Spread spread(surface);
+    spread.apply(thickness, boundary.thickness);
+    offset(surface, boundary);
+    for (int round = 0; round < 8 && lowerTurned(surface, least, boundary); ++round) {
+        spread.apply(thickness, boundary.thickness);
+        offset(surface, boundary);
+    }
+
+    float lowest = thickness;
+    for (float t : boundary.thickness) {
+        boundary.clampedPoints += t < thickness * (1 - 1e-5f);
+        lowest = std::min(lowest, t);
+    }
+    if (boundary.clampedPoints) {
+        char text[200];
+        std::snprintf(
+            text, sizeof text,
+            "the shell is thinner than wanted at %d of %zu points (down to %.3g of %.3g units), where it would "
+            "fold over or meet the other side",
+            boundary.clampedPoints, surface.points.size(), double(lowest), double(thickness));
+        report(messages, Severity::Warning, text);
+    }
+    return boundary;
+}
+
+} // namespace stf

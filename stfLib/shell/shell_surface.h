@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "stfLib/base/error.h"
+#include "stfLib/surface/refined_surface.h"
+
+namespace stf {
+
+/// The shell's inner boundary: the limit surface moved inward along its normals.
+struct ShellBoundary {
+    std::vector<Vec3f> inner;       ///< one per point of the surface, object space
+    std::vector<float> thickness;   ///< object units, per point; at most the wanted one
+    int clampedPoints = 0;          ///< points where curvature or a thin part lowered it
+};
+
+/// Offsets by `thickness` (object units). Where the offset would fold over (thickness above 0.9 of the concave-side
+/// radius of curvature) or meet the shell of the other side (above 0.45 of the local thickness, by inward rays), it is
+/// lowered, and the lowering is spread smoothly to the neighbours. Reports how many points were clamped.
+ShellBoundary offsetInward(const RefinedSurface& surface, float thickness, const MessageSink& messages);
+
+} // namespace stf
