@@ -2,12 +2,11 @@
 # Writes the base volumes of the example scenes. Usage: make_volumes.sh STF FOLDER
 #   STF     the command build/bin/stf
 #   FOLDER  where the scenes look for them: `volumes` beside the scenes
-# The build calls this for build/usd_examples. Sizes are in voxels, voxel edges in mm.
+# The build calls this for build/usd_examples. Both are made at their own default size: marble about 40 x 40 mm and 8 mm
+# deep; carved wax 10 x 10 mm, with the symmetry of a square, about 5 mm deep.
 set -eu
 stf=$1
 folder=$2
 mkdir -p "$folder"
-# Marble: 40 x 40 mm, 8 mm deep.
-"$stf" make marble "$folder/marble.vdb" --size 160,160,32 --voxel 0.25 --seed 1
-# Carved wax: 10 x 10 mm with the symmetry of a square, 4 mm deep.
-"$stf" make wax "$folder/wax.vdb" --size 80,80,32 --voxel 0.125 --seed 1
+"$stf" make marble "$folder/marble.vdb"
+"$stf" make wax "$folder/wax.vdb"
