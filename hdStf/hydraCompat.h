@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+/// \file hydraCompat.h
+/// What differs between the Hydras of OpenUSD 20.08 to 25.x, as named features. No other file of hdStf asks for a
+/// version. Hosts back-port Hydra changes, so features follow HD_API_VERSION; PXR_VERSION decides only where the API
+/// version did not move with the change.
+
+#include "pxr/imaging/hd/version.h"
+#include "pxr/pxr.h"
+
+/// Constructors and factories of rprims and instancers take the parent instancer's id (to 20.11).
+#define HDSTF_HAS_INSTANCER_ID_ARGUMENT (HD_API_VERSION < 36)
+/// HdInstancer has a virtual Sync; rprims call `HdInstancer::_SyncInstancerAndParents` (from 21.02). Before that an
+/// instancer pulls its primvars when first asked, under a lock of its own.
+#define HDSTF_HAS_INSTANCER_SYNC (HD_API_VERSION >= 36)
+/// Render pass states carry a CameraUtilFraming (from 21.02).
+#define HDSTF_HAS_FRAMING (HD_API_VERSION >= 36)
+/// Render pass states have SetCamera and SetFraming (from 23.08).
+#define HDSTF_HAS_SET_FRAMING (HD_API_VERSION >= 54)
+/// Light parameters are read by the attribute's literal name, so that `inputs:` has to be asked for (to 20.11).
+#define HDSTF_LIGHT_PARAMS_ARE_ATTRIBUTES (HD_API_VERSION < 36)
+/// A light's transform is one of its parameters; GetTransform is a coding error (20.08 only).
+#define HDSTF_LIGHT_TRANSFORM_IS_PARAM (PXR_VERSION < 2011)
+/// Several material render contexts in place of one network selector (from 21.05).
+#define HDSTF_HAS_MATERIAL_RENDER_CONTEXTS (HD_API_VERSION >= 41)
+/// `Stop(bool blocking)`, `IsPaused()` and `IsStopped()` (from 22.03).
+#define HDSTF_HAS_IS_STOPPED (HD_API_VERSION >= 44)
+/// Sprims and bprims can be synced in parallel where the delegate says so (from 24.08).
+#define HDSTF_HAS_PARALLEL_SYNC_QUERY (HD_API_VERSION >= 71)
+/// HdRendererPlugin::IsSupported takes nothing (to 22.11), a flag for the GPU (23.02 to 25.08), creation arguments
+/// (25.11 to 26.02), or their schema (from 26.05).
+#define HDSTF_IS_SUPPORTED_TAKES_GPU_FLAG (HD_API_VERSION >= 46 && HD_API_VERSION < 83)
+#define HDSTF_IS_SUPPORTED_TAKES_ARGS (HD_API_VERSION >= 83 && HD_API_VERSION < 98)
+#define HDSTF_IS_SUPPORTED_TAKES_SCHEMA (HD_API_VERSION >= 98)

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStf/instancer.h"
+
+#include "pxr/base/gf/half.h"
+#include "pxr/base/gf/matrix4d.h"
+#include "pxr/base/gf/quatd.h"
+#include "pxr/base/gf/quatf.h"
+#include "pxr/base/gf/quath.h"
+#include "pxr/base/gf/vec3d.h"
+#include "pxr/base/gf/vec3f.h"
+#include "pxr/base/gf/vec3h.h"
+#include "pxr/base/gf/vec4d.h"
+#include "pxr/base/gf/vec4f.h"
+#include "pxr/imaging/hd/changeTracker.h"
+#include "pxr/imaging/hd/renderIndex.h"
+#include "pxr/imaging/hd/sceneDelegate.h"
+#include "pxr/imaging/hd/tokens.h"
+
+#include <string>
+
+PXR_NAMESPACE_OPEN_SCOPE
+
+namespace {
+
+/// The element of an array of T, converted; false if \p value is no such array or too short.
+template<class T, class Result, class Convert>
+bool _Element(VtValue const& value, size_t index, Result* result, Convert const& convert) {
+    if (!value.IsHolding<VtArray<T>>()) {
+        return false;
+    }
+    VtArray<T> const& array = value.UncheckedGet<VtArray<T>>();
+    if (index >= array.size()) {
+        return false;
+    }
+    *result = convert(array[index]);
+    return true;
+}
+
+bool _Vector(VtValue const& value, size_t index, GfVec3d* result) {
+    const auto convert = [](auto const& v) { return GfVec3d(v); };
+    return _Element<GfVec3f>(value, index, result, convert) || _Element<GfVec3d>(value, index, result, convert) ||
+           _Element<GfVec3h>(value, index, result, convert);
+}
+
+bool _Rotation(VtValue const& value, size_t index, GfQuatd* result) {
+    const auto fromQuat = [](auto const& q) { return GfQuatd(q); };
+    const auto fromVec4 = [](auto const& v) { return GfQuatd(v[0], v[1], v[2], v[3]); };
+    return _Element<GfQuath>(value, index, result, fromQuat) || _Element<GfQuatf>(value, index, result, fromQuat) ||
+           _Element<GfQuatd>(value, index, result, fromQuat) || _Element<GfVec4f>(value, index, result, fromVec4) ||
+           _Element<GfVec4d>(value, index, result, fromVec4);
+}
+
+/// Where a primvar of that name belongs; null if it is none of the transforms. Both generations of names are accepted
+/// in every version, as hosts differ.
+VtValue* _Slot(HdStfInstancer::Primvars& primvars, std::string const& name) {
+    if (name == "translate" || name == "hydra:instanceTranslations") {
+        return &primvars.translate;
+    }
+    if (name == "rotate" || name == "hydra:instanceRotations") {
+        return &primvars.rotate;
+    }
+    if (name == "scale" || name == "hydra:instanceScales") {
+        return &primvars.scale;
+    }
+    if (name == "instanceTransform" || name == "hydra:instanceTransforms") {
+        return &primvars.transform;
+    }
+    return nullptr;
+}
+
+} // namespace
+
+GfMatrix4d HdStfInstancer::ComputeTransform(Primvars const& primvars, size_t index) {
+    GfMatrix4d result(1.0);
+    GfMatrix4d matrix(1.0);
+    GfVec3d vector;
+    GfQuatd rotation;
+    if (_Element<GfMatrix4d>(primvars.transform, index, &matrix, [](GfMatrix4d const& m) { return m; })) {
+        result = matrix;
+    }
+    if (_Vector(primvars.scale, index, &vector)) {
+        result = result * GfMatrix4d(1.0).SetScale(vector);
+    }
+    if (_Rotation(primvars.rotate, index, &rotation) && rotation.GetLength() > 0) {
+        result = result * GfMatrix4d(1.0).SetRotate(rotation.GetNormalized());
+    }
+    if (_Vector(primvars.translate, index, &vector)) {
+        result = result * GfMatrix4d(1.0).SetTranslate(vector);
+    }
+    return result;
+}
+
+void HdStfInstancer::_PullPrimvars(HdDirtyBits dirtyBits) {
+    SdfPath const& id = GetId();
+    for (HdPrimvarDescriptor const& primvar : GetDelegate()->GetPrimvarDescriptors(id, HdInterpolationInstance)) {
+        VtValue* slot = _Slot(_primvars, primvar.name.GetString());
+        if (slot && HdChangeTracker::IsPrimvarDirty(dirtyBits, id, primvar.name)) {
+            *slot = GetDelegate()->Get(id, primvar.name);
+        }
+    }
+}
+
+#if HDSTF_HAS_INSTANCER_SYNC
+void HdStfInstancer::Sync(HdSceneDelegate* sceneDelegate, HdRenderParam* /*renderParam*/, HdDirtyBits* dirtyBits) {
+    std::lock_guard<std::mutex> lock(_mutex);
+    _UpdateInstancer(sceneDelegate, dirtyBits);
+    if (HdChangeTracker::IsAnyPrimvarDirty(*dirtyBits, GetId())) {
+        _PullPrimvars(*dirtyBits);
+    }
+}
+#else
+void HdStfInstancer::_PullPrimvarsIfDirty() {
+    HdChangeTracker& tracker = GetDelegate()->GetRenderIndex().GetChangeTracker();
+    std::lock_guard<std::mutex> lock(_mutex);
+    const HdDirtyBits dirtyBits = tracker.GetInstancerDirtyBits(GetId());
+    if (HdChangeTracker::IsAnyPrimvarDirty(dirtyBits, GetId())) {
+        _PullPrimvars(dirtyBits);
+        tracker.MarkInstancerClean(GetId());
+    }
+}
+#endif
+
+VtMatrix4dArray HdStfInstancer::ComputeInstanceTransforms(SdfPath const& prototypeId) {
+#if !HDSTF_HAS_INSTANCER_SYNC
+    _PullPrimvarsIfDirty();
+#endif
+    const GfMatrix4d instancerTransform = GetDelegate()->GetInstancerTransform(GetId());
+    const VtIntArray indices = GetDelegate()->GetInstanceIndices(GetId(), prototypeId);
+    VtMatrix4dArray transforms(indices.size());
+    GfMatrix4d* own = transforms.data();
+    for (size_t i = 0; i < indices.size(); ++i) {
+        const size_t index = static_cast<size_t>(indices[i]);
+        own[i] = ComputeTransform(_primvars, index) * instancerTransform;
+    }
+
+    if (GetParentId().IsEmpty()) {
+        return transforms;
+    }
+    HdInstancer* parent = GetDelegate()->GetRenderIndex().GetInstancer(GetParentId());
+    if (!TF_VERIFY(parent)) {
+        return transforms;
+    }
+    const VtMatrix4dArray outer = static_cast<HdStfInstancer*>(parent)->ComputeInstanceTransforms(GetId());
+    VtMatrix4dArray flat(outer.size() * transforms.size());
+    GfMatrix4d* result = flat.data();
+    for (GfMatrix4d const& parentTransform : outer) {
+        for (GfMatrix4d const& transform : transforms) {
+            *result++ = transform * parentTransform;
+        }
+    }
+    return flat;
+}
+
+PXR_NAMESPACE_CLOSE_SCOPE

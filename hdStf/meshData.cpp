@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStf/meshData.h"
+
+#include "hdStf/conversions.h"
+#include "hdStf/messages.h"
+
+#include "pxr/imaging/hd/changeTracker.h"
+#include "pxr/imaging/hd/extComputationUtils.h"
+#include "pxr/imaging/hd/sceneDelegate.h"
+#include "pxr/imaging/hd/tokens.h"
+#include "pxr/imaging/pxOsd/tokens.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <utility>
+
+PXR_NAMESPACE_OPEN_SCOPE
+
+namespace {
+
+constexpr std::array<HdInterpolation, 5> _interpolations = {HdInterpolationConstant, HdInterpolationUniform,
+                                                            HdInterpolationVarying, HdInterpolationVertex,
+                                                            HdInterpolationFaceVarying};
+
+/// How much a primvar looks like the texture coordinates: 0 not at all, the higher the better.
+int _UvRank(HdPrimvarDescriptor const& primvar) {
+    static char const* const names[] = {"UVMap", "st0", "uv", "st"};
+    for (int i = 0; i < 4; ++i) {
+        if (primvar.name == names[i]) {
+            return i + 2;
+        }
+    }
+    return primvar.role == HdPrimvarRoleTokens->textureCoordinate ? 1 : 0;
+}
+
+/// The value as an array of T, also from a single T; false if it is neither.
+template<class T>
+bool _AsArray(VtValue const& value, VtArray<T>* array) {
+    if (value.CanCast<VtArray<T>>()) {
+        *array = VtValue::Cast<VtArray<T>>(value).template UncheckedGet<VtArray<T>>();
+        return true;
+    }
+    if (value.CanCast<T>()) {
+        *array = VtArray<T>(1, VtValue::Cast<T>(value).template UncheckedGet<T>());
+        return true;
+    }
+    return false;
+}
+
+stf::ControlMesh::Interpolation _ToStf(HdInterpolation interpolation) {
+    switch (interpolation) {
+    case HdInterpolationUniform:
+        return stf::ControlMesh::Interpolation::Uniform;
+    case HdInterpolationVarying:
+    case HdInterpolationVertex:
+        return stf::ControlMesh::Interpolation::Vertex;
+    case HdInterpolationFaceVarying:
+        return stf::ControlMesh::Interpolation::FaceVarying;
+    default:
+        return stf::ControlMesh::Interpolation::Constant;
+    }
+}
+
+stf::ControlMesh::Scheme _ToStfScheme(TfToken const& scheme) {
+    if (scheme == PxOsdOpenSubdivTokens->catmullClark) {
+        return stf::ControlMesh::Scheme::CatmullClark;
+    }
+    if (scheme == PxOsdOpenSubdivTokens->loop) {
+        return stf::ControlMesh::Scheme::Loop;
+    }
+    if (scheme == PxOsdOpenSubdivTokens->bilinear) {
+        return stf::ControlMesh::Scheme::Bilinear;
+    }
+    return stf::ControlMesh::Scheme::None;
+}
+
+} // namespace
+
+std::vector<int> HdStfWeldUvs(VtIntArray const& faceVertexIndices, std::vector<stf::Vec2f>& uvs) {
+    std::map<std::pair<int, std::pair<float, float>>, int> entries;
+    std::vector<stf::Vec2f> welded;
+    std::vector<int> indices;
+    indices.reserve(uvs.size());
+    for (size_t i = 0; i < uvs.size(); ++i) {
+        const auto [it, isNew] =
+            entries.try_emplace({faceVertexIndices.cdata()[i], {uvs[i].x, uvs[i].y}}, static_cast<int>(welded.size()));
+        if (isNew) {
+            welded.push_back(uvs[i]);
+        }
+        indices.push_back(it->second);
+    }
+    uvs = std::move(welded);
+    return indices;
+}
+
+bool HdStfMeshData::Pull(HdMesh const& mesh, HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits,
+                         HdStfMessages& messages) {
+    bool changed = _PullTopology(mesh, sceneDelegate, dirtyBits);
+    changed |= _PullPoints(mesh, sceneDelegate, dirtyBits);
+    changed |= _PullPrimvars(mesh, sceneDelegate, dirtyBits, messages);
+    return changed;
+}
+
+bool HdStfMeshData::_PullTopology(HdMesh const& mesh, HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits) {
+    SdfPath const& id = mesh.GetId();
+    bool changed = false;
+    const bool topologyDirty = HdChangeTracker::IsTopologyDirty(dirtyBits, id);
+    if (topologyDirty || HdChangeTracker::IsSubdivTagsDirty(dirtyBits, id)) {
+        HdMeshTopology topology = topologyDirty ? mesh.GetMeshTopology(sceneDelegate) : _topology;
+        topology.SetSubdivTags(mesh.GetSubdivTags(sceneDelegate));
+        changed = !(topology == _topology);
+        _topology = topology;
+    }
+    if (HdChangeTracker::IsDisplayStyleDirty(dirtyBits, id)) {
+        const int level = mesh.GetDisplayStyle(sceneDelegate).refineLevel;
+        changed |= level != _refineLevel;
+        _refineLevel = level;
+    }
+    return changed;
+}
+
+bool HdStfMeshData::_PullPoints(HdMesh const& mesh, HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits) {
+    SdfPath const& id = mesh.GetId();
+    if (!HdChangeTracker::IsPrimvarDirty(dirtyBits, id, HdTokens->points)) {
+        return false;
+    }
+    VtValue value;
+    HdExtComputationPrimvarDescriptorVector computed;
+    for (auto const& primvar : sceneDelegate->GetExtComputationPrimvarDescriptors(id, HdInterpolationVertex)) {
+        if (primvar.name == HdTokens->points) {
+            computed.push_back(primvar);
+        }
+    }
+    if (!computed.empty()) {
+        auto values = HdExtComputationUtils::GetComputedPrimvarValues(computed, sceneDelegate);
+        value = values[HdTokens->points];
+    } else {
+        value = mesh.GetPoints(sceneDelegate);
+    }
+    VtVec3fArray points;
+    if (!value.IsEmpty()) {
+        _AsArray(value, &points);
+    }
+    const bool changed = points != _points;
+    _points = points;
+    return changed;
+}
+
+bool HdStfMeshData::_PullPrimvars(HdMesh const& mesh, HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits,
+                                  HdStfMessages& messages) {
+    SdfPath const& id = mesh.GetId();
+    const bool primvarsDirty = dirtyBits & HdChangeTracker::DirtyPrimvar;
+    const bool normalsDirty = HdChangeTracker::IsPrimvarDirty(dirtyBits, id, HdTokens->normals);
+    if (!primvarsDirty && !normalsDirty) {
+        return false;
+    }
+
+    HdPrimvarDescriptor const* uv = nullptr;
+    HdPrimvarDescriptor const* color = nullptr;
+    HdPrimvarDescriptor const* normal = nullptr;
+    std::array<HdPrimvarDescriptorVector, _interpolations.size()> descriptors;
+    for (size_t i = 0; i < _interpolations.size(); ++i) {
+        descriptors[i] = mesh.GetPrimvarDescriptors(sceneDelegate, _interpolations[i]);
+        for (HdPrimvarDescriptor const& primvar : descriptors[i]) {
+            if (primvar.name == HdTokens->displayColor) {
+                color = &primvar;
+            } else if (primvar.name == HdTokens->normals) {
+                normal = &primvar;
+            } else if (primvar.interpolation != HdInterpolationConstant &&
+                       primvar.interpolation != HdInterpolationUniform && _UvRank(primvar) > 0) {
+                const bool better =
+                    !uv || _UvRank(primvar) > _UvRank(*uv) ||
+                    (_UvRank(primvar) == _UvRank(*uv) && primvar.name.GetString() < uv->name.GetString());
+                uv = better ? &primvar : uv;
+            }
+        }
+    }
+
+    const auto pull = [&](HdPrimvarDescriptor const* primvar, auto& held) {
+        std::decay_t<decltype(held)> fresh;
+        if (primvar) {
+            fresh.interpolation = primvar->interpolation;
+            if (!_AsArray(mesh.GetPrimvar(sceneDelegate, primvar->name), &fresh.values)) {
+                messages.Report(stf::Severity::Warning, id.GetString() + ": primvars:" + primvar->name.GetString() +
+                                                            " has a type that cannot be used; it is ignored");
+            }
+        }
+        const bool changed = !(fresh == held);
+        held = fresh;
+        return changed;
+    };
+    bool changed = false;
+    if (primvarsDirty) {
+        changed |= pull(uv, _uvs);
+        changed |= pull(color, _colors);
+    }
+    if (normalsDirty) {
+        changed |= pull(normal, _normals);
+    }
+    return changed;
+}
+
+stf::ControlMesh HdStfMeshData::MakeControlMesh() const {
+    stf::ControlMesh mesh;
+    mesh.faceVertexCounts = HdStfToVector(_topology.GetFaceVertexCounts());
+    mesh.faceVertexIndices = HdStfToVector(_topology.GetFaceVertexIndices());
+    mesh.holeIndices = HdStfToVector(_topology.GetHoleIndices());
+    mesh.holeIndices.insert(mesh.holeIndices.end(), _topology.GetInvisibleFaces().cbegin(),
+                            _topology.GetInvisibleFaces().cend());
+    mesh.points = HdStfToVector(_points);
+    mesh.scheme = _ToStfScheme(_topology.GetScheme());
+    mesh.leftHanded = _topology.GetOrientation() == PxOsdOpenSubdivTokens->leftHanded;
+
+    PxOsdSubdivTags const& tags = _topology.GetSubdivTags();
+    mesh.cornerIndices = HdStfToVector(tags.GetCornerIndices());
+    mesh.cornerSharpnesses = HdStfToVector(tags.GetCornerWeights());
+    mesh.creaseIndices = HdStfToVector(tags.GetCreaseIndices());
+    mesh.creaseLengths = HdStfToVector(tags.GetCreaseLengths());
+    mesh.creaseSharpnesses = HdStfToVector(tags.GetCreaseWeights());
+    if (!tags.GetVertexInterpolationRule().IsEmpty()) {
+        mesh.interpolateBoundary = tags.GetVertexInterpolationRule().GetString();
+    }
+    if (!tags.GetFaceVaryingInterpolationRule().IsEmpty()) {
+        mesh.faceVaryingInterpolation = tags.GetFaceVaryingInterpolationRule().GetString();
+    }
+
+    VtIntArray const& faceVertices = _topology.GetFaceVertexIndices();
+    mesh.uvs = HdStfToVector(_uvs.values);
+    if (_uvs.interpolation != HdInterpolationFaceVarying) {
+        mesh.uvIndices = mesh.uvs.empty() ? std::vector<int>() : mesh.faceVertexIndices;
+    } else if (mesh.uvs.size() == faceVertices.size()) {
+        mesh.uvIndices = HdStfWeldUvs(faceVertices, mesh.uvs);
+    } else {
+        // Left for `sanitize` to find: as many indices as values, which is not one per face vertex.
+        mesh.uvIndices.resize(mesh.uvs.size());
+    }
+
+    mesh.colors = HdStfToVector(_colors.values);
+    mesh.colorInterpolation = _ToStf(_colors.interpolation);
+    if (mesh.scheme == stf::ControlMesh::Scheme::None) {
+        mesh.normals = HdStfToVector(_normals.values);
+        mesh.normalInterpolation = _ToStf(_normals.interpolation);
+    }
+    return mesh;
+}
+
+PXR_NAMESPACE_CLOSE_SCOPE

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "stfLib/surface/control_mesh.h"
+
+#include "pxr/base/gf/vec2f.h"
+#include "pxr/base/gf/vec3f.h"
+#include "pxr/base/vt/array.h"
+#include "pxr/imaging/hd/enums.h"
+#include "pxr/imaging/hd/mesh.h"
+#include "pxr/imaging/hd/meshTopology.h"
+#include "pxr/pxr.h"
+
+#include <string>
+#include <vector>
+
+PXR_NAMESPACE_OPEN_SCOPE
+
+class HdStfMessages;
+
+/// \class HdStfMeshData
+///
+/// The geometry of a mesh as Hydra delivers it (arrays are shared, not copied), and its translation to a ControlMesh.
+///
+/// Threading: none of its own; each mesh has one.
+class HdStfMeshData {
+public:
+    /// Pulls what \p dirtyBits say is dirty, each value once. True if something differs from what is held.
+    bool Pull(HdMesh const& mesh, HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits, HdStfMessages& messages);
+
+    bool IsEmpty() const { return _topology.GetFaceVertexCounts().empty() || _points.empty(); }
+    int GetRefineLevel() const { return _refineLevel; }
+    stf::ControlMesh MakeControlMesh() const;
+
+private:
+    template<class T>
+    struct _Primvar {
+        VtArray<T> values;
+        HdInterpolation interpolation = HdInterpolationConstant;
+        bool operator==(_Primvar const& other) const {
+            return interpolation == other.interpolation && values == other.values;
+        }
+    };
+
+    bool _PullTopology(HdMesh const& mesh, HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits);
+    bool _PullPoints(HdMesh const& mesh, HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits);
+    bool _PullPrimvars(HdMesh const& mesh, HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits,
+                       HdStfMessages& messages);
+
+    HdMeshTopology _topology;
+    int _refineLevel = 0;
+    VtVec3fArray _points;
+    _Primvar<GfVec2f> _uvs;
+    _Primvar<GfVec3f> _colors;
+    _Primvar<GfVec3f> _normals;
+};
+
+/// One index per face vertex into \p uvs, where face vertices of the same vertex and the same coordinates share an
+/// entry: face-varying values arrive flattened, and would otherwise leave a seam along every edge. \p uvs shrinks to
+/// the entries used.
+std::vector<int> HdStfWeldUvs(VtIntArray const& faceVertexIndices, std::vector<stf::Vec2f>& uvs);
+
+PXR_NAMESPACE_CLOSE_SCOPE

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "hdStf/messages.h"
+#include "hdStf/renderJob.h"
+#include "stfLib/render/scene.h"
+
+#include "pxr/imaging/hd/renderDelegate.h"
+#include "pxr/pxr.h"
+
+#include <atomic>
+#include <mutex>
+
+PXR_NAMESPACE_OPEN_SCOPE
+
+/// \class HdStfRenderParam
+///
+/// What prims reach during Sync and Finalize: the scene behind one gate, and the message list.
+///
+/// Threading: Hydra syncs rprims in parallel, so every method may be called from several threads at once.
+class HdStfRenderParam final : public HdRenderParam {
+public:
+    HdStfRenderParam(stf::Scene& scene, HdStfRenderJob& job, HdStfMessages& messages)
+        : _scene(scene), _job(job), _messages(messages) {}
+
+    /// The single gate for all mutation of the scene and of render buffers: stops rendering (a running stage of stfLib
+    /// is cancelled) and waits for it, then raises the scene's version so that the next execute starts anew.
+    stf::Scene& AcquireSceneForEdit();
+
+    /// The scene's version; grows with each pass through the gate.
+    int GetSceneVersion() const { return _sceneVersion.load(); }
+
+    /// A render buffer goes away: nothing may be written to it any more.
+    void ForgetBuffer(HdStfRenderBuffer const* buffer);
+
+    HdStfMessages& GetMessages() const { return _messages; }
+
+private:
+    stf::Scene& _scene;
+    HdStfRenderJob& _job;
+    HdStfMessages& _messages;
+    std::mutex _gate;
+    std::atomic<int> _sceneVersion{1};
+};
+
+PXR_NAMESPACE_CLOSE_SCOPE

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStf/renderStats.h"
+
+#include "hdStf/tokens.h"
+
+#include "pxr/base/tf/stringUtils.h"
+#include "pxr/base/vt/value.h"
+#include "pxr/imaging/hd/tokens.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <sys/resource.h>
+
+PXR_NAMESPACE_OPEN_SCOPE
+
+namespace {
+
+size_t _PeakMemory() {
+    rusage usage = {};
+    getrusage(RUSAGE_SELF, &usage);
+#ifdef __APPLE__
+    return static_cast<size_t>(usage.ru_maxrss);
+#else
+    return static_cast<size_t>(usage.ru_maxrss) * 1024; // kilobytes
+#endif
+}
+
+std::string _Dump(nlohmann::json const& json) {
+    return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+std::string _PlanJson(std::vector<stf::PlanEntry> const& plan) {
+    nlohmann::json list = nlohmann::json::array();
+    for (stf::PlanEntry const& entry : plan) {
+        list.push_back({{"object", entry.object},
+                        {"stage", entry.stage},
+                        {"runs", entry.runs},
+                        {"why", entry.why},
+                        {"seconds", entry.seconds}});
+    }
+    return _Dump(list);
+}
+
+std::string _MessagesJson(HdStfMessages const& messages) {
+    nlohmann::json list = nlohmann::json::array();
+    for (HdStfMessages::Message const& message : messages.Get()) {
+        list.push_back({{"severity", HdStfSeverityName(message.severity)}, {"text", message.text}});
+    }
+    return _Dump(list);
+}
+
+std::string _Annotation(HdStfRenderJob::Progress const& progress) {
+    if (progress.finished) {
+        return "done";
+    }
+    if (progress.samplesDone > 0 || progress.stage == "render") {
+        return TfStringPrintf("sample %d of %d", progress.samplesDone, progress.samplesWanted);
+    }
+    return TfStringPrintf("%s %.0f %%", progress.stage.c_str(), 100 * progress.stageFraction);
+}
+
+} // namespace
+
+VtDictionary HdStfMakeRenderStats(HdStfRenderJob::Progress const& progress, HdStfMessages const& messages) {
+    const double fraction = progress.finished ? 1.0
+                            : progress.samplesWanted > 0
+                                ? std::min(1.0, static_cast<double>(progress.samplesDone) / progress.samplesWanted)
+                                : 0.0;
+    VtDictionary stats;
+    const auto set = [&stats](TfToken const& key, auto const& value) { stats[key.GetString()] = VtValue(value); };
+    // Blender reads percentDone as a double without asking.
+    set(HdStfStatsTokens->percentDone, 100.0 * fraction);
+    set(HdStfStatsTokens->fractionDone, fraction);
+    set(HdStfStatsTokens->totalClockTime, progress.clockSeconds);
+    set(HdPerfTokens->numCompletedSamples, progress.samplesDone);
+    set(HdStfStatsTokens->rendererName, std::string("Stf"));
+    set(HdStfStatsTokens->renderProgressAnnotation, _Annotation(progress));
+    set(HdStfStatsTokens->peakMemory, _PeakMemory());
+
+    set(HdStfStatsTokens->plan, _PlanJson(progress.plan));
+    set(HdStfStatsTokens->messages, _MessagesJson(messages));
+    set(HdStfStatsTokens->loadSeconds, progress.stats.loadSeconds);
+    set(HdStfStatsTokens->precomputeSeconds, progress.stats.precomputeSeconds);
+    set(HdStfStatsTokens->synthesisSeconds, progress.stats.synthesisSeconds);
+    set(HdStfStatsTokens->shellSeconds, progress.stats.shellSeconds);
+    set(HdStfStatsTokens->coreSeconds, progress.stats.coreSeconds);
+    set(HdStfStatsTokens->firstPixelSeconds, progress.stats.firstPixelSeconds);
+    set(HdStfStatsTokens->renderSeconds, progress.stats.renderSeconds);
+    set(HdStfStatsTokens->tableBytes, progress.stats.tableBytes);
+    set(HdStfStatsTokens->shellBytes, progress.stats.shellBytes);
+    set(HdStfStatsTokens->rays, static_cast<uint64_t>(progress.stats.rays));
+    set(HdStfStatsTokens->estimatedError, progress.stats.estimatedError);
+    return stats;
+}
+
+PXR_NAMESPACE_CLOSE_SCOPE

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "pxr/imaging/hd/renderDelegate.h"
+#include "pxr/pxr.h"
+
+PXR_NAMESPACE_OPEN_SCOPE
+
+/// The render settings the delegate offers. Defaults come from the environment where it says something
+/// (HDSTF_SAMPLES, HDSTF_SEED, HDSTF_QUALITY, HDSTF_THREADS, HDSTF_STAGE_METERS_PER_UNIT).
+HdRenderSettingDescriptorList HdStfMakeSettingDescriptors();
+
+/// The value in the type of the setting's default and within its range; empty if it cannot be had (a wrong type, not
+/// a number), or if \p key is not a setting of this delegate. Pure: any thread.
+VtValue HdStfNormalizeSetting(HdRenderSettingDescriptorList const& descriptors, TfToken const& key,
+                              VtValue const& value);
+
+PXR_NAMESPACE_CLOSE_SCOPE

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "pxr/base/tf/staticTokens.h"
+#include "pxr/pxr.h"
+
+PXR_NAMESPACE_OPEN_SCOPE
+
+/// Render settings (docs/settings.md).
+#define HDSTF_RENDER_SETTINGS_TOKENS                                                                                   \
+    ((samples, "stf:samples"))((seed, "stf:seed"))((quality, "stf:quality"))((threads, "stf:threads"))(                \
+        (stageMetersPerUnit, "stageMetersPerUnit"))
+
+/// Constant primvars of StfShellAPI, as Hydra delivers them (without `primvars:`).
+#define HDSTF_PRIMVAR_TOKENS                                                                                           \
+    ((prefix, "stf:"))((baseVolume, "stf:baseVolume"))((thickness, "stf:thickness"))((scale, "stf:scale"))(            \
+        (mapping, "stf:mapping"))((coreMaterial, "stf:coreMaterial"))((coreSigmaA, "stf:coreSigmaA"))(                 \
+        (coreSigmaSPrime, "stf:coreSigmaSPrime"))((coreModel, "stf:coreModel"))((transport, "stf:transport"))(         \
+        (quality, "stf:quality"))((seed, "stf:seed"))
+
+/// Entries of GetRenderStats that hosts know, and those of hdStf's own.
+#define HDSTF_STATS_TOKENS                                                                                             \
+    (percentDone)(fractionDone)(totalClockTime)(rendererName)(renderProgressAnnotation)(peakMemory)((                  \
+        plan, "stf:plan"))((messages, "stf:messages"))((precomputeSeconds, "stf:precomputeSeconds"))(                  \
+        (synthesisSeconds, "stf:synthesisSeconds"))((shellSeconds, "stf:shellSeconds"))(                               \
+        (coreSeconds, "stf:coreSeconds"))((loadSeconds, "stf:loadSeconds"))(                                           \
+        (firstPixelSeconds, "stf:firstPixelSeconds"))((renderSeconds, "stf:renderSeconds"))(                           \
+        (tableBytes, "stf:tableBytes"))((shellBytes, "stf:shellBytes"))((rays, "stf:rays"))(                           \
+        (estimatedError, "stf:estimatedError"))
+
+/// Names a material network may be authored for.
+#define HDSTF_MATERIAL_TOKENS (stf)
+
+TF_DECLARE_PUBLIC_TOKENS(HdStfRenderSettingsTokens, , HDSTF_RENDER_SETTINGS_TOKENS);
+TF_DECLARE_PUBLIC_TOKENS(HdStfPrimvarTokens, , HDSTF_PRIMVAR_TOKENS);
+TF_DECLARE_PUBLIC_TOKENS(HdStfStatsTokens, , HDSTF_STATS_TOKENS);
+TF_DECLARE_PUBLIC_TOKENS(HdStfMaterialTokens, , HDSTF_MATERIAL_TOKENS);
+
+PXR_NAMESPACE_CLOSE_SCOPE
