@@ -14,7 +14,7 @@ import usda_text as usda
 
 COLUMNS = 32
 WALL = 0.42  # cm, at the rim
-SHELL = 0.18  # cm; two shells fit into the wall, so that none has to be clamped
+SHELL = 0.16  # cm; two shells fit into the wall, so that none has to be clamped
 
 
 def spline(points, step=0.01):
@@ -37,8 +37,8 @@ def spline(points, step=0.01):
 
 def profile():
     """The profile (radius, height) from the centre of the underside, up the outside, over the lip, down the inside."""
-    underside = [(0, 0.32), (0.9, 0.3), (1.6, 0.16), (1.98, 0.0), (2.3, 0.02)]
-    foot = [(2.46, 0.16), (2.44, 0.36), (2.2, 0.58), (1.8, 0.98)]
+    underside = [(0, 0.32), (0.9, 0.3), (1.55, 0.15), (1.95, 0.0), (2.25, 0.03)]
+    foot = [(2.45, 0.22), (2.43, 0.48), (2.2, 0.72), (1.82, 1.08)]
     body = [(1.48, 1.7), (1.55, 2.5), (2.1, 3.8), (2.95, 5.4), (3.42, 7.1), (3.4, 8.9), (3.14, 10.7), (3.14, 12.1)]
     rim = np.array((3.4, 12.95))
     outside = spline(underside + foot + body + [tuple(rim)])
@@ -58,7 +58,7 @@ def profile():
     normal = np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
     wall = WALL + 0.025 * (rim[1] - body_part[:, 1])[:, None]
     inner = (body_part + normal * wall)[::-1]
-    picks = [inner[np.argmin(np.abs(inner[:, 1] - height))] for height in (12.2, 10.9, 9.3, 7.7, 6.3, 5.2)]
+    picks = [inner[np.argmin(np.abs(inner[:, 1] - height))] for height in (12.85, 12.5, 11.9, 10.7, 9.3, 7.7, 6.3, 5.2)]
     inside = spline([lip[-1], *picks, (1.75, 4.3), (1.1, 3.66), (0.5, 3.42), (0, 3.36)])
     return np.vstack([outside, lip, inside[1:]])
 
@@ -72,7 +72,10 @@ def sample(curve, longest=0.72, turn=np.radians(22)):
     tangent = np.gradient(curve, even, axis=0)
     curvature = np.abs(np.gradient(np.unwrap(np.arctan2(tangent[:, 1], tangent[:, 0])), even))
     density = np.maximum(1 / longest, curvature / turn)
-    width = int(0.35 / (even[1] - even[0]))
+    # Dense also a little before and after a bend, and smoothly so: a spline through uneven steps wiggles.
+    width = int(0.5 / (even[1] - even[0]))
+    windows = np.lib.stride_tricks.sliding_window_view
+    density = windows(np.pad(density, width // 2, mode="edge"), width // 2 * 2 + 1).max(axis=1)
     kernel = np.hanning(2 * width + 1)
     density = np.convolve(np.pad(density, width, mode="edge"), kernel / kernel.sum(), mode="valid")
     count = np.concatenate([[0], np.cumsum((density[1:] + density[:-1]) / 2 * np.diff(even))])
