@@ -33,7 +33,7 @@ RENDERED = (0, 1)
 ERROR = re.compile(r"\berror(:| in )", re.I)
 
 
-class Test:
+class Checks:
     """Collects what failed, so that one run tells all of it."""
 
     def __init__(self):
@@ -133,7 +133,7 @@ def main():
     difference = arguments.output / f"{arguments.name}_difference.png"
     difference.unlink(missing_ok=True)
 
-    test = Test()
+    test = Checks()
     code, output = render(arguments.stfrecord, arguments.scene, image, stats, expected)
     wanted = expected.get("exit", 0)
     test.check(code == wanted, f"exit code {code}, expected {wanted}")
