@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/stfrecord/atomicFile.h"
+#include "tools/stfrecord/image.h"
+
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfStringAttribute.h>
+
+#include <stdexcept>
+
+namespace stfrecord {
+
+std::vector<std::string> channelNames(const Layer& layer) {
+    if (layer.name == "color" && layer.channels >= 3) {
+        return layer.channels == 3 ? std::vector<std::string>{"R", "G", "B"}
+                                   : std::vector<std::string>{"R", "G", "B", "A"};
+    }
+    const bool isDepth = layer.name == "depth" || layer.name == "cameraDepth";
+    const bool isVector = layer.name == "normal" || layer.name == "Neye" || layer.name == "position";
+    std::vector<std::string> names;
+    if (!layer.integers.empty() && layer.channels == 1) {
+        names = {layer.name == "sampleCount" ? "count" : "id"};
+    } else if (layer.channels == 1) {
+        names = {isDepth ? "Z" : layer.name == "alpha" ? "A" : "Y"};
+    } else {
+        names = isVector ? std::vector<std::string>{"X", "Y", "Z", "W"} : std::vector<std::string>{"R", "G", "B", "A"};
+        names.resize(static_cast<std::size_t>(layer.channels));
+    }
+    for (std::string& name : names) {
+        name = layer.name + "." + name;
+    }
+    return names;
+}
+
+void writeExr(const Image& image, const std::string& path) {
+    Imf::Header header(image.width, image.height);
+    header.compression() = Imf::ZIP_COMPRESSION;
+    for (const auto& [key, value] : image.metadata) {
+        header.insert(key, Imf::StringAttribute(value));
+    }
+    Imf::FrameBuffer frame;
+    for (const Layer& layer : image.layers) {
+        const bool integer = !layer.integers.empty();
+        const std::vector<std::string> names = channelNames(layer);
+        const std::size_t valueSize = integer ? sizeof(std::int32_t) : sizeof(float);
+        const std::size_t pixelSize = valueSize * static_cast<std::size_t>(layer.channels);
+        const char* base = integer ? reinterpret_cast<const char*>(layer.integers.data())
+                                   : reinterpret_cast<const char*>(layer.floats.data());
+        for (std::size_t c = 0; c < names.size(); ++c) {
+            // Ids are stored as unsigned: -1, nothing hit, reads as 4294967295.
+            const Imf::PixelType type = integer ? Imf::UINT : Imf::FLOAT;
+            header.channels().insert(names[c], Imf::Channel(type));
+            // OpenEXR takes a writable pointer for both directions and only reads through it here.
+            frame.insert(names[c], Imf::Slice(type, const_cast<char*>(base) + c * valueSize, pixelSize,
+                                              pixelSize * static_cast<std::size_t>(image.width)));
+        }
+    }
+    writeAtomically(path, [&](const std::string& temporary) {
+        try {
+            Imf::OutputFile file(temporary.c_str(), header);
+            file.setFrameBuffer(frame);
+            file.writePixels(image.height);
+        } catch (const std::exception& error) {
+            throw std::runtime_error("cannot write " + path + ": " + error.what());
+        }
+    });
+}
+
+} // namespace stfrecord

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace stfrecord {
+
+/// One AOV as floats or integers, rows from the top down, `channels` values a pixel.
+struct Layer {
+    std::string name;
+    int channels = 0;
+    std::vector<float> floats;
+    std::vector<std::int32_t> integers; ///< used instead of `floats` where not empty
+};
+
+struct Image {
+    int width = 0, height = 0;
+    std::vector<Layer> layers;
+    std::vector<std::pair<std::string, std::string>> metadata;
+};
+
+/// Writes all layers into one EXR: `color` as R, G, B, A, any other as LAYER.CHANNEL. The file appears when it is
+/// whole. Throws std::runtime_error with a sentence.
+void writeExr(const Image& image, const std::string& path);
+
+/// Writes the colour as 8-bit sRGB, over black, clipped to 0..1. The file appears when it is whole. Throws likewise;
+/// also if there is no layer `color`.
+void writePng(const Image& image, const std::string& path);
+
+/// Names of a layer's channels in an EXR, in their order in the pixels.
+std::vector<std::string> channelNames(const Layer& layer);
+
+} // namespace stfrecord

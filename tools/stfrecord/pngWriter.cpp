@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/stfrecord/atomicFile.h"
+#include "tools/stfrecord/image.h"
+
+#define STB_IMAGE_WRITE_IMPLEMENTATION
+#define STB_IMAGE_WRITE_STATIC
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function"
+#include <stb_image_write.h>
+#pragma GCC diagnostic pop
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace stfrecord {
+namespace {
+
+/// IEC 61966-2-1.
+unsigned char srgb(float linear) {
+    const float x = linear > 0 ? std::min(linear, 1.0f) : 0.0f; // NaN too becomes 0
+    const float y = x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1 / 2.4f) - 0.055f;
+    return static_cast<unsigned char>(std::lround(255 * y));
+}
+
+} // namespace
+
+void writePng(const Image& image, const std::string& path) {
+    const auto color = std::find_if(image.layers.begin(), image.layers.end(),
+                                    [](const Layer& layer) { return layer.name == "color" && layer.channels >= 3; });
+    if (color == image.layers.end() || color->floats.empty()) {
+        throw std::runtime_error("cannot write " + path + ": the AOV \"color\" was not rendered");
+    }
+    const std::size_t pixels = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
+    std::vector<unsigned char> bytes(3 * pixels);
+    for (std::size_t i = 0; i < pixels; ++i) {
+        for (std::size_t c = 0; c < 3; ++c) {
+            bytes[3 * i + c] = srgb(color->floats[i * static_cast<std::size_t>(color->channels) + c]);
+        }
+    }
+    writeAtomically(path, [&](const std::string& temporary) {
+        if (!stbi_write_png(temporary.c_str(), image.width, image.height, 3, bytes.data(), 3 * image.width)) {
+            throw std::runtime_error("cannot write " + path);
+        }
+    });
+}
+
+} // namespace stfrecord

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/stfrecord/stats.h"
+
+#include "tools/stfrecord/atomicFile.h"
+
+#include "pxr/base/tf/stringUtils.h"
+
+#include <nlohmann/json.hpp>
+
+#include <fstream>
+#include <stdexcept>
+
+namespace stfrecord {
+
+PXR_NAMESPACE_USING_DIRECTIVE
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double number(const VtDictionary& stats, const std::string& key) {
+    const auto it = stats.find(key);
+    const VtValue value = it == stats.end() ? VtValue() : VtValue::Cast<double>(it->second);
+    return value.IsEmpty() ? 0.0 : value.UncheckedGet<double>();
+}
+
+/// An entry that holds JSON as text; an empty list where there is none.
+Json list(const VtDictionary& stats, const std::string& key) {
+    const auto it = stats.find(key);
+    if (it == stats.end() || !it->second.IsHolding<std::string>()) {
+        return Json::array();
+    }
+    const Json json = Json::parse(it->second.UncheckedGet<std::string>(), nullptr, false);
+    return json.is_array() ? json : Json::array();
+}
+
+Json frameJson(const FrameStats& frame, const Json& messages) {
+    const VtDictionary& stats = frame.delegate;
+    const double megabyte = 1024.0 * 1024.0;
+    Json json;
+    json["scene"] = frame.scene;
+    json["frame"] = frame.frame;
+    json["width"] = frame.width;
+    json["height"] = frame.height;
+    json["samples"] = int(number(stats, "numCompletedSamples"));
+    json["seconds"] = {
+        {"load", number(stats, "stf:loadSeconds")},           {"precompute", number(stats, "stf:precomputeSeconds")},
+        {"synthesis", number(stats, "stf:synthesisSeconds")}, {"shell", number(stats, "stf:shellSeconds")},
+        {"core", number(stats, "stf:coreSeconds")},           {"firstPixel", number(stats, "stf:firstPixelSeconds")},
+        {"render", number(stats, "stf:renderSeconds")},       {"total", frame.seconds}};
+    json["memoryMB"] = {{"peak", number(stats, "peakMemory") / megabyte},
+                        {"tables", number(stats, "stf:tableBytes") / megabyte},
+                        {"shell", number(stats, "stf:shellBytes") / megabyte}};
+    json["rays"] = static_cast<std::uint64_t>(number(stats, "stf:rays"));
+    json["estimatedError"] = number(stats, "stf:estimatedError");
+    json["plan"] = list(stats, "stf:plan");
+    json["messages"] = messages;
+    return json;
+}
+
+} // namespace
+
+void collectMessages(const VtDictionary& delegateStats, Console& console) {
+    for (const Json& message : list(delegateStats, "stf:messages")) {
+        const std::string severity = message.value("severity", "error");
+        // Warnings were printed when they arose; what was not comes now.
+        console.note(severity, message.value("text", ""), severity != "info");
+    }
+}
+
+void writeStats(const std::vector<FrameStats>& frames, const std::vector<Message>& messages, const std::string& path) {
+    Json messageList = Json::array();
+    for (const Message& message : messages) {
+        messageList.push_back({{"severity", message.severity}, {"text", message.text}});
+    }
+    Json json = Json::array();
+    for (const FrameStats& frame : frames) {
+        json.push_back(frameJson(frame, messageList));
+    }
+    const Json& whole = frames.size() == 1 ? json[0] : json;
+    writeAtomically(path, [&](const std::string& temporary) {
+        std::ofstream file(temporary);
+        file << whole.dump(2, ' ', false, Json::error_handler_t::replace) << "\n";
+        file.close();
+        if (!file) {
+            throw std::runtime_error("cannot write " + path);
+        }
+    });
+}
+
+std::string planTable(const VtDictionary& delegateStats) {
+    std::string text = TfStringPrintf("%-32s %-14s %-5s %9s  %s\n", "object", "stage", "runs", "seconds", "why");
+    for (const Json& entry : list(delegateStats, "stf:plan")) {
+        text += TfStringPrintf("%-32s %-14s %-5s %9.3f  %s\n", entry.value("object", "").c_str(),
+                               entry.value("stage", "").c_str(), entry.value("runs", false) ? "yes" : "no",
+                               entry.value("seconds", 0.0), entry.value("why", "").c_str());
+    }
+    return text;
+}
+
+} // namespace stfrecord
