@@ -8,7 +8,7 @@
 #
 # OpenUSD's targets bring the include folder of the TBB it was built with; for 20.08 that is the classic TBB, while
 # OpenVDB and Embree use oneTBB. Nothing that includes OpenVDB may link one of these targets.
-option(HDSTF_BUILD_OPENUSD "Build OpenUSD 20.08 (about 10 minutes, once) where no OpenUSD with Hydra is found" ON)
+option(HDSTF_BUILD_OPENUSD "Build OpenUSD 20.08 (some minutes, once) where no OpenUSD with Hydra is found" ON)
 
 # Folder of an acceptable pxrConfig.cmake in one of the given folders, or empty. The file is read before it is loaded:
 # the targets of an OpenUSD without Hydra could not be replaced by those of another one afterwards.
@@ -21,7 +21,7 @@ function(_hdstf_search_openusd result)
                 continue()
             endif()
             file(STRINGS "${folder}/pxrConfig.cmake" libraries REGEX "^set\\(libs ")
-            if(libraries MATCHES "[\" ;]hd[\" ;]" AND libraries MATCHES "[\" ;]usdImaging[\" ;]")
+            if(libraries MATCHES "[^A-Za-z]hd[^A-Za-z]" AND libraries MATCHES "[^A-Za-z]usdImaging[^A-Za-z]")
                 set(${result} "${folder}" PARENT_SCOPE)
                 return()
             endif()

@@ -18,6 +18,7 @@ import json
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import time
@@ -47,13 +48,18 @@ RECIPE = {
         "pxr/usd/CMakeLists.txt": ["usdMedia", "usdRi", "usdSkel", "usdUI", "usdUtils", "plugin"],
         "pxr/usdImaging/CMakeLists.txt": ["usdImagingGL", "usdRiImaging", "usdSkelImaging", "usdAppUtils", "usdviewq", "bin"],
     },
-    # This header refuses to be seen twice by one translation unit; a unity batch only needs it once.
-    "replace": {
-        "pxr/base/tf/instantiateSingleton.h": [
-            "#ifdef PXR_BASE_TF_INSTANTIATE_SINGLETON_H",
-            "#pragma once\n#ifdef PXR_BASE_TF_INSTANTIATE_SINGLETON_H",
-        ],
-    },
+    # (file, old, new)
+    "replace": [
+        # This header refuses to be seen twice by one translation unit; a unity batch only needs it once.
+        ("pxr/base/tf/instantiateSingleton.h", "#ifdef PXR_BASE_TF_INSTANTIATE_SINGLETON_H",
+         "#pragma once\n#ifdef PXR_BASE_TF_INSTANTIATE_SINGLETON_H"),
+        # Quotes in the middle of arguments: paths with spaces would fail.
+        ("cmake/macros/Private.cmake", '-Dinfile="${infile}" -Doutfile="${outfile}"',
+         '"-Dinfile=${infile}" "-Doutfile=${outfile}"'),
+        ("cmake/macros/copyHeaderForBuild.cmake", "file(TO_NATIVE_PATH  ${infile} INFILE)", 'set(INFILE "${infile}")'),
+        ("cmake/macros/copyHeaderForBuild.cmake", "file(TO_NATIVE_PATH  ${outfile} OUTFILE)", 'set(OUTFILE "${outfile}")'),
+        ("cmake/macros/copyHeaderForBuild.cmake", "#line 1 ${infile}", '#line 1 \\"${infile}\\"'),
+    ],
     "options": {
         "CMAKE_BUILD_TYPE": "Release",
         "CMAKE_CXX_FLAGS_RELEASE": "-O2 -DNDEBUG",
@@ -281,7 +287,7 @@ def copy_source(source, target):
         if len(text) - len(kept) != len(lines):
             raise BuildError(f"{name} is not as expected: cannot drop {', '.join(lines)}")
         path.write_text("".join(kept))
-    for name, (old, new) in RECIPE["replace"].items():
+    for name, old, new in RECIPE["replace"]:
         path = target / name
         text = path.read_text()
         if text.count(old) != 1:
@@ -322,7 +328,7 @@ def compile_all(build, log, lock):
     """Run ninja with progress: a live line on a terminal, a line every 5 % elsewhere."""
     costs = [compile_cost(line) for line in (output_of(["ninja", "-C", str(build), "-n"]) or "").splitlines()]
     total = max(sum(costs), 1)
-    jobs, live, start = job_count(), sys.stdout.isatty(), time.monotonic()
+    jobs, live, start = job_count(), sys.stdout.isatty() and not os.environ.get("CI"), time.monotonic()
     say(f"compiling {len([c for c in costs if c])} batches, {jobs} at a time (log: {log})")
     done, shown = 0, 0
     with open(log, "ab") as out:
@@ -437,6 +443,9 @@ def main():
     parser.add_argument("--query", action="store_true",
                         help="build nothing: print the prefix; exit code 0 if it is complete, 3 if not")
     args = parser.parse_args()
+    # Being told to end is an interruption like Ctrl-C: ninja is ended in good order.
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    signal.signal(signal.SIGHUP, signal.default_int_handler)
     os.environ["LC_ALL"] = "C.UTF-8"
     # Somebody else's flags, prefixes or TBB must not get into the build; the key would not know of them.
     for name in ("CXXFLAGS", "CPPFLAGS", "LDFLAGS", "CPATH", "CPLUS_INCLUDE_PATH", "CMAKE_PREFIX_PATH",

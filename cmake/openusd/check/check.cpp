@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Opens a stage with one prim of each schema library and asks plugins, shader registry and Hydra for an answer.
 #include <pxr/base/plug/registry.h>
 #include <pxr/imaging/hd/renderDelegate.h>
