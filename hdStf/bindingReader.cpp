@@ -5,12 +5,14 @@
 #include "hdStf/messages.h"
 #include "hdStf/tokens.h"
 
+#include "pxr/base/tf/pathUtils.h"
 #include "pxr/base/vt/array.h"
 #include "pxr/usd/sdf/assetPath.h"
 
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
+#include <limits>
 #include <string>
 
 PXR_NAMESPACE_OPEN_SCOPE
@@ -86,13 +88,16 @@ public:
         *result = text;
     }
 
-    /// A missing file resolves to nothing: the authored path then stands for it, so that messages can name it.
+    /// A missing file resolves to nothing; messages then name it as authored.
     void ReadAsset(TfToken const& name, VtValue const& authored, std::string* path, std::string* authoredPath) {
         const VtValue value = _Unwrap<SdfAssetPath, std::string>(authored);
         if (value.IsHolding<SdfAssetPath>()) {
             SdfAssetPath const& asset = value.UncheckedGet<SdfAssetPath>();
             *authoredPath = asset.GetAssetPath();
-            *path = asset.GetResolvedPath().empty() ? asset.GetAssetPath() : asset.GetResolvedPath();
+            // A relative path that did not resolve must not be looked up in the working directory by chance.
+            *path = asset.GetResolvedPath().empty() && !TfIsRelativePath(asset.GetAssetPath())
+                        ? asset.GetAssetPath()
+                        : asset.GetResolvedPath();
         } else if (value.IsHolding<std::string>()) {
             *path = *authoredPath = value.UncheckedGet<std::string>();
         } else {

@@ -88,6 +88,10 @@ public:
     /// The values of the settings now, as stfLib takes them.
     stf::RenderSettings GetStfSettings() const;
     double GetMetersPerUnit() const;
+    /// What prims have made of the host's scene. To be looked at by tests, from the thread that executes.
+    stf::Scene const& GetScene() const {
+        return _scene;
+    }
 
 private:
     void _Initialize();

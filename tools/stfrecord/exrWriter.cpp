@@ -20,8 +20,10 @@ std::vector<std::string> channelNames(const Layer& layer) {
     const bool isDepth = layer.name == "depth" || layer.name == "cameraDepth";
     const bool isVector = layer.name == "normal" || layer.name == "Neye" || layer.name == "position";
     std::vector<std::string> names;
-    if (!layer.integers.empty() && layer.channels == 1) {
-        names = {layer.name == "sampleCount" ? "count" : "id"};
+    if (layer.name == "sampleCount") {
+        names = {"count"};
+    } else if (!layer.integers.empty() && layer.channels == 1) {
+        names = {"id"};
     } else if (layer.channels == 1) {
         names = {isDepth ? "Z" : layer.name == "alpha" ? "A" : "Y"};
     } else {
