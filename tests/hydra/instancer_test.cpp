@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStf/instancer.h"
+
+#include "test_host.h"
+
+#include "pxr/base/gf/quath.h"
+#include "pxr/base/gf/vec4f.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+PXR_NAMESPACE_USING_DIRECTIVE
+
+namespace {
+
+const float half = float(std::sqrt(0.5)); // 90 degrees about z
+
+TEST(Instancer, ScalesThenRotatesThenTranslates) {
+    HdStfInstancer::Primvars primvars;
+    primvars.translate = VtValue(VtVec3fArray{{10, 0, 0}});
+    primvars.scale = VtValue(VtVec3fArray{{2, 3, 4}});
+    for (const VtValue& rotate : {VtValue(VtVec4fArray{GfVec4f(half, 0, 0, half)}),
+                                  VtValue(VtQuathArray{GfQuath(GfHalf(half), GfVec3h(0, 0, half))})}) {
+        primvars.rotate = rotate;
+        const GfVec3d p = HdStfInstancer::ComputeTransform(primvars, 0).Transform(GfVec3d(1, 1, 0));
+        EXPECT_NEAR(p[0], 10 - 3, 2e-3);
+        EXPECT_NEAR(p[1], 2, 2e-3);
+    }
+}
+
+TEST(Instancer, MissingValuesAndShortArraysAreIdentity) {
+    HdStfInstancer::Primvars primvars;
+    EXPECT_EQ(HdStfInstancer::ComputeTransform(primvars, 3), GfMatrix4d(1.0));
+    primvars.translate = VtValue(VtVec3fArray{{1, 0, 0}});
+    primvars.rotate = VtValue(VtVec4fArray{GfVec4f(0)});
+    EXPECT_EQ(HdStfInstancer::ComputeTransform(primvars, 3), GfMatrix4d(1.0));
+    EXPECT_EQ(HdStfInstancer::ComputeTransform(primvars, 0).ExtractTranslation(), GfVec3d(1, 0, 0));
+}
+
+const char* nested = R"(
+def PointInstancer "Outer" {
+    point3f[] positions = [(0, 0, 0), (100, 0, 0)]
+    int[] protoIndices = [0, 0]
+    rel prototypes = </Outer/Inner>
+    def PointInstancer "Inner" {
+        point3f[] positions = [(0, 0, 0), (0, 10, 0), (0, 20, 0)]
+        int[] protoIndices = [0, 0, 0]
+        rel prototypes = </Outer/Inner/Leaf>
+        def Mesh "Leaf" {
+            int[] faceVertexCounts = [3]
+            int[] faceVertexIndices = [0, 1, 2]
+            point3f[] points = [(0, 0, 0), (1, 0, 0), (1, 1, 0)]
+        }
+    }
+})";
+
+TEST(Instancer, NestedInstancersAreFlattened) {
+    TestHost host(testScene({}, nested));
+    host.execute();
+    std::vector<stf::MeshInstance> instances;
+    for (const auto& [id, mesh] : host.delegate->GetScene().meshes()) {
+        if (id.find("Leaf") != std::string::npos) {
+            instances = mesh.instances;
+        }
+    }
+    ASSERT_EQ(instances.size(), 6u);
+    for (int i = 0; i < 6; ++i) {
+        EXPECT_EQ(instances[size_t(i)].instanceId, i);
+        EXPECT_EQ(instances[size_t(i)].objectToWorld.translation.x, 100 * (i / 3));
+        EXPECT_EQ(instances[size_t(i)].objectToWorld.translation.y, 10 * (i % 3));
+    }
+}
+
+TEST(Instancer, EditsOfPositionsReachTheInstances) {
+    TestHost host(testScene({}, nested));
+    ASSERT_TRUE(host.renderToEnd());
+    host.stage->GetPrimAtPath(SdfPath("/Outer"))
+        .GetAttribute(TfToken("positions"))
+        .Set(VtVec3fArray{{5, 0, 0}, {7, 0, 0}});
+    EXPECT_TRUE(host.restarts());
+    for (const auto& [id, mesh] : host.delegate->GetScene().meshes()) {
+        if (id.find("Leaf") != std::string::npos) {
+            EXPECT_EQ(mesh.instances[0].objectToWorld.translation.x, 5);
+            EXPECT_EQ(mesh.instances[5].objectToWorld.translation.x, 7);
+        }
+    }
+}
+
+} // namespace

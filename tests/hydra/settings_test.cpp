@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStf/settings.h"
+
+#include "test_host.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <limits>
+
+PXR_NAMESPACE_USING_DIRECTIVE
+
+namespace {
+
+VtValue normalized(const char* key, const VtValue& value) {
+    return HdStfNormalizeSetting(HdStfMakeSettingDescriptors(), TfToken(key), value);
+}
+
+TEST(Settings, ValuesTakeTheTypeOfTheDefault) {
+    EXPECT_EQ(normalized("stf:samples", VtValue(16L)), VtValue(16));
+    EXPECT_EQ(normalized("stf:samples", VtValue(std::string("16"))), VtValue(16));
+    EXPECT_EQ(normalized("stf:quality", VtValue(0.5)), VtValue(0.5f));
+    EXPECT_EQ(normalized("stageMetersPerUnit", VtValue(1.0f)), VtValue(1.0));
+}
+
+TEST(Settings, ValuesOutOfRangeAreBroughtInOrRefused) {
+    EXPECT_EQ(normalized("stf:samples", VtValue(-3)), VtValue(1));
+    EXPECT_EQ(normalized("stf:threads", VtValue(-1)), VtValue(0));
+    EXPECT_TRUE(normalized("stf:quality", VtValue(0.0f)).IsEmpty());
+    EXPECT_TRUE(normalized("stageMetersPerUnit", VtValue(std::numeric_limits<double>::quiet_NaN())).IsEmpty());
+    EXPECT_TRUE(normalized("stf:samples", VtValue(std::string("many"))).IsEmpty());
+    EXPECT_TRUE(normalized("noSuchSetting", VtValue(1)).IsEmpty());
+}
+
+TEST(Settings, EnvironmentChangesDefaults) {
+    setenv("HDSTF_SAMPLES", "7", 1);
+    setenv("HDSTF_QUALITY", "nonsense", 1);
+    const HdRenderSettingDescriptorList list = HdStfMakeSettingDescriptors();
+    unsetenv("HDSTF_SAMPLES");
+    unsetenv("HDSTF_QUALITY");
+    EXPECT_EQ(list[0].defaultValue, VtValue(7));
+    EXPECT_EQ(list[2].defaultValue, VtValue(0.02f));
+}
+
+TEST(Settings, SettingsAtCreationAreNormalized) {
+    HdRenderSettingsMap map;
+    map[TfToken("stf:samples")] = VtValue(9L);
+    map[TfToken("stf:seed")] = VtValue(std::string("not a number"));
+    const HdStfRenderDelegate delegate(map);
+    EXPECT_EQ(delegate.GetRenderSetting(TfToken("stf:samples")), VtValue(9));
+    EXPECT_EQ(delegate.GetRenderSetting(TfToken("stf:seed")), VtValue(0));
+}
+
+TEST(Settings, EqualValuesRestartNothing) {
+    TestHost host(testScene());
+    ASSERT_TRUE(host.renderToEnd());
+    host.delegate->SetRenderSetting(TfToken("stf:samples"), VtValue(2));
+    host.delegate->SetRenderSetting(TfToken("stf:samples"), VtValue(2L));
+    host.delegate->SetRenderSetting(TfToken("stageMetersPerUnit"), VtValue(0.01));
+    host.delegate->SetRenderSetting(TfToken("noSuchSetting"), VtValue(1));
+    EXPECT_FALSE(host.restarts());
+    host.delegate->SetRenderSetting(TfToken("stf:samples"), VtValue(3));
+    EXPECT_TRUE(host.restarts());
+    host.delegate->SetRenderSetting(TfToken("stageMetersPerUnit"), VtValue(1.0));
+    EXPECT_TRUE(host.restarts());
+    EXPECT_EQ(host.delegate->GetScene().metersPerUnit(), 1.0);
+}
+
+TEST(Settings, StatisticsHaveTheTypesHostsRead) {
+    TestHost host(testScene());
+    ASSERT_TRUE(host.renderToEnd());
+    const VtDictionary stats = host.delegate->GetRenderStats();
+    ASSERT_TRUE(stats.find("percentDone")->second.IsHolding<double>());
+    EXPECT_EQ(stats.find("percentDone")->second.UncheckedGet<double>(), 100.0);
+    EXPECT_TRUE(stats.find("totalClockTime")->second.IsHolding<double>());
+    EXPECT_EQ(stats.find("numCompletedSamples")->second, VtValue(2));
+}
+
+} // namespace

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "test_host.h"
+
+#include "pxr/base/tf/stringUtils.h"
+#include "pxr/base/vt/dictionary.h"
+#include "pxr/imaging/hd/tokens.h"
+#include "pxr/usd/sdf/layer.h"
+
+#include <chrono>
+#include <thread>
+
+PXR_NAMESPACE_USING_DIRECTIVE
+
+class TestHost::Buffers final : public HdSceneDelegate {
+public:
+    explicit Buffers(HdRenderIndex* index) : HdSceneDelegate(index, SdfPath("/__buffers")) {}
+    HdRenderBufferDescriptor GetRenderBufferDescriptor(const SdfPath& id) override { return descriptors[id]; }
+    std::map<SdfPath, HdRenderBufferDescriptor> descriptors;
+};
+
+TestHost::TestHost(const std::string& usda, const std::vector<std::string>& aovs, int width, int height)
+    : delegate(std::make_unique<HdStfRenderDelegate>()) {
+    const SdfLayerRefPtr layer = SdfLayer::CreateAnonymous(".usda");
+    TF_AXIOM(layer->ImportFromString(usda));
+    stage = UsdStage::Open(layer);
+    index_.reset(HdRenderIndex::New(delegate.get(), {}));
+    buffers_ = std::make_unique<Buffers>(index_.get());
+    scene_ = std::make_unique<UsdImagingDelegate>(index_.get(), SdfPath::AbsoluteRootPath());
+    scene_->Populate(stage->GetPseudoRoot());
+    scene_->SetTime(UsdTimeCode::EarliestTime());
+    setOutputs(aovs, width, height);
+    delegate->SetRenderSetting(TfToken("stf:samples"), VtValue(2));
+}
+
+TestHost::~TestHost() {
+    task_.reset();
+    for (const auto& [id, descriptor] : buffers_->descriptors) {
+        index_->RemoveBprim(HdPrimTypeTokens->renderBuffer, id);
+    }
+    scene_.reset();
+    buffers_.reset();
+    index_.reset();
+    delegate.reset();
+}
+
+void TestHost::setOutputs(const std::vector<std::string>& aovs, int width, int height) {
+    task_.reset();
+    for (const auto& [id, descriptor] : buffers_->descriptors) {
+        index_->RemoveBprim(HdPrimTypeTokens->renderBuffer, id);
+    }
+    buffers_->descriptors.clear();
+    HdRenderPassAovBindingVector bindings;
+    for (const std::string& aov : aovs) {
+        HdAovDescriptor descriptor = delegate->GetDefaultAovDescriptor(TfToken(aov));
+        if (descriptor.format == HdFormatInvalid) {
+            // What the delegate does not know, a careless host binds all the same.
+            descriptor = HdAovDescriptor(HdFormatFloat32Vec3, false, VtValue(GfVec3f(0.25f)));
+        }
+        HdRenderPassAovBinding binding;
+        binding.aovName = TfToken(aov);
+        binding.clearValue = descriptor.clearValue;
+        binding.renderBufferId = SdfPath("/__buffers/" + TfMakeValidIdentifier(aov));
+        buffers_->descriptors[binding.renderBufferId] = {GfVec3i(width, height, 1), descriptor.format,
+                                                         descriptor.multiSampled};
+        index_->InsertBprim(HdPrimTypeTokens->renderBuffer, buffers_.get(), binding.renderBufferId);
+        bindings.push_back(binding);
+    }
+    task_ = std::make_shared<stfrecord::RecordTask>(
+        *index_, bindings, width, height, TfTokenVector{HdRenderTagTokens->geometry, HdRenderTagTokens->render});
+    task_->setCamera(SdfPath("/Camera"));
+}
+
+void TestHost::execute() {
+    scene_->ApplyPendingUpdates();
+    HdTaskSharedPtrVector tasks = {task_};
+    engine_.Execute(index_.get(), &tasks);
+}
+
+bool TestHost::renderToEnd() {
+    const auto start = std::chrono::steady_clock::now();
+    for (execute(); !converged(); execute()) {
+        if (std::chrono::steady_clock::now() - start > std::chrono::minutes(1)) {
+            return false;
+        }
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return true;
+}
+
+bool TestHost::restarts() {
+    delegate->Pause(); // so that rendering cannot be over before we look
+    execute();
+    const bool restarted = !converged();
+    delegate->Resume();
+    return renderToEnd() && restarted;
+}
+
+HdStfRenderBuffer* TestHost::buffer(const std::string& aov) {
+    return static_cast<HdStfRenderBuffer*>(
+        index_->GetBprim(HdPrimTypeTokens->renderBuffer, SdfPath("/__buffers/" + TfMakeValidIdentifier(aov))));
+}
+
+std::vector<float> TestHost::floats(const std::string& aov) {
+    HdStfRenderBuffer* target = buffer(aov);
+    const auto* data = static_cast<const float*>(target->Map());
+    std::vector<float> result(data, data + size_t(target->GetWidth()) * target->GetHeight() *
+                                               HdGetComponentCount(target->GetFormat()));
+    target->Unmap();
+    return result;
+}
+
+std::string TestHost::messages() {
+    return VtDictionaryGet<std::string>(delegate->GetRenderStats(), "stf:messages");
+}
+
+std::string testScene(const std::string& squareProperties, const std::string& morePrims) {
+    return R"(#usda 1.0
+def Camera "Camera" { double3 xformOp:translate = (0, 0, 5); uniform token[] xformOpOrder = ["xformOp:translate"]; }
+def DistantLight "Light" { float intensity = 1; float inputs:intensity = 1; float angle = 0; float inputs:angle = 0; }
+def Mesh "Square" {
+    int[] faceVertexCounts = [4]
+    int[] faceVertexIndices = [0, 1, 2, 3]
+    point3f[] points = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
+    double3 xformOp:translate = (0, 0, 0)
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+)" + squareProperties +
+           "\n}\n" + morePrims + "\n";
+}

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "hdStf/renderBuffer.h"
+#include "hdStf/renderDelegate.h"
+#include "tools/stfrecord/recordTask.h"
+
+#include "pxr/imaging/hd/engine.h"
+#include "pxr/imaging/hd/renderIndex.h"
+#include "pxr/usd/usd/stage.h"
+#include "pxr/usdImaging/usdImaging/delegate.h"
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+/// A Hydra host for tests: a stage in memory, UsdImaging, the delegate's own classes, one task.
+class TestHost {
+public:
+    /// `usda` is the text of a layer; it needs a camera at /Camera.
+    explicit TestHost(const std::string& usda, const std::vector<std::string>& aovs = {"color"}, int width = 16,
+                      int height = 12);
+    ~TestHost();
+
+    PXR_NS::UsdStageRefPtr stage;
+    std::unique_ptr<PXR_NS::HdStfRenderDelegate> delegate;
+
+    /// New buffers of that size, as a host does when its window changes.
+    void setOutputs(const std::vector<std::string>& aovs, int width, int height);
+    /// Hands pending edits over and executes once.
+    void execute();
+    bool converged() const { return task_->isConverged(); }
+    /// Executes until converged; false after a minute.
+    bool renderToEnd();
+    /// Executes once; true if that started rendering anew. Leaves a converged image behind.
+    bool restarts();
+
+    PXR_NS::HdStfRenderBuffer* buffer(const std::string& aov);
+    std::vector<float> floats(const std::string& aov);
+    const stf::SceneMesh& mesh(const std::string& path) { return delegate->GetScene().meshes().at(path); }
+    /// Texts of all messages so far.
+    std::string messages();
+
+private:
+    class Buffers;
+    std::unique_ptr<PXR_NS::HdRenderIndex> index_;
+    std::unique_ptr<PXR_NS::UsdImagingDelegate> scene_;
+    std::unique_ptr<Buffers> buffers_;
+    PXR_NS::HdEngine engine_;
+    std::shared_ptr<stfrecord::RecordTask> task_;
+};
+
+/// A layer with a camera, a light, a unit square /Square (more properties of it as text) and further prims.
+std::string testScene(const std::string& squareProperties = {}, const std::string& morePrims = {});
