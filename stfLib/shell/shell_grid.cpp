@@ -4,7 +4,6 @@
 #include "stfLib/base/parallel.h"
 
 #include <cstdio>
-#include <openvdb/tools/ValueTransformer.h>
 
 namespace stf {
 
@@ -89,19 +88,21 @@ ShellGrid ShellGrid::build(const RefinedSurface& surface, const ShellBoundary& b
     return grid;
 }
 
-void ShellGrid::setCoreRadiance(const std::vector<Rgb>& perPoint) {
+std::vector<Rgb> ShellGrid::spreadCoreRadiance(const std::vector<Rgb>& perPoint) const {
     if (perPoint.size() != impl_->points) {
         throw Error("core radiance is not given per point of the surface");
     }
-    parallelFor(impl_->samples.size(), 1 << 16, [&](std::size_t begin, std::size_t end) {
+    std::vector<Rgb> spread(impl_->samples.size());
+    parallelFor(spread.size(), 1 << 16, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            const ShellSampleOrigin& o = impl_->origins[i];
-            const Vec3i& t = impl_->triangles[o.triangle];
-            const float b1 = float(o.b1) / 65535.0f, b2 = float(o.b2) / 65535.0f;
-            impl_->samples[i].core = perPoint[std::size_t(t.x)] * (1 - b1 - b2) + perPoint[std::size_t(t.y)] * b1 +
-                                     perPoint[std::size_t(t.z)] * b2;
+            const ShellSample& s = impl_->samples[i];
+            const Vec3i& t = impl_->triangles[s.triangle];
+            const float b1 = float(s.b1) / 65535.0f, b2 = float(s.b2) / 65535.0f;
+            spread[i] = perPoint[std::size_t(t.x)] * (1 - b1 - b2) + perPoint[std::size_t(t.y)] * b1 +
+                        perPoint[std::size_t(t.z)] * b2;
         }
     });
+    return spread;
 }
 
 float ShellGrid::voxelSize() const {
@@ -113,8 +114,8 @@ std::size_t ShellGrid::sampleCount() const {
 }
 
 std::size_t ShellGrid::memoryBytes() const {
-    return impl_->samples.capacity() * sizeof(ShellSample) + impl_->origins.capacity() * sizeof(ShellSampleOrigin) +
-           impl_->triangles.capacity() * sizeof(Vec3i) + std::size_t(impl_->tree.memUsage());
+    return impl_->samples.capacity() * sizeof(ShellSample) + impl_->triangles.capacity() * sizeof(Vec3i) +
+           std::size_t(impl_->tree.memUsage());
 }
 
 void ShellGrid::write(const std::string& path) const {

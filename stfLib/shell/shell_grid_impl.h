@@ -8,31 +8,31 @@
 #include "stfLib/shell/shell_grid.h"
 
 #include <cstdint>
-#include <openvdb/openvdb.h>
 #include <vector>
+
+// OpenVDB's templates need default visibility, or those instantiated here and in its library share std::call_once but
+// not the names it sets: openvdb::initialize() then dereferences null.
+#pragma GCC visibility push(default)
+#include <openvdb/openvdb.h>
+#include <openvdb/tree/ValueAccessor.h>
+#pragma GCC visibility pop
 
 namespace stf {
 
-/// What a lookup reads: one cache line.
+/// What a lookup reads, and where on the surface it comes from.
 struct alignas(64) ShellSample {
     Vec2f exemplar;
     float depth;
     Vec3f gradX, gradY, normal;
-    Rgb core;
+    std::uint32_t triangle;
+    std::uint16_t b1, b2; ///< barycentric, in 1/65535; only what is given per point of the surface needs them
 };
 static_assert(sizeof(ShellSample) == 64, "a lookup reads eight of these: one cache line each");
-
-/// Where on the surface a sample comes from; read only when the core's radiance is set.
-struct ShellSampleOrigin {
-    std::uint32_t triangle;
-    std::uint16_t b1, b2; ///< barycentric, in 1/65535
-};
 
 /// All of a built grid.
 struct ShellGridData {
     openvdb::Int32Tree tree{-1}; ///< voxel -> number of its sample; -1: none
     std::vector<ShellSample> samples;
-    std::vector<ShellSampleOrigin> origins;
     std::vector<Vec3i> triangles; ///< points of the surface's triangles
     std::size_t points = 0;       ///< of the surface
     Vec3d origin;                 ///< position of voxel (0, 0, 0)'s centre, object space
@@ -45,7 +45,7 @@ struct ShellGridData {
 
 struct ShellGrid::Impl : ShellGridData {};
 
-/// Fills tree, samples and origins of a grid whose other members are set. Deterministic for any number of threads.
+/// Fills tree and samples of a grid whose other members are set. Deterministic for any number of threads.
 void scanShell(const RefinedSurface& surface, const ShellBoundary& boundary, const ExemplarMap& map,
                ShellGridData& grid, Progress& progress, const MessageSink& messages);
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stfLib/shell/shell_grid_impl.h"
 
-#include <openvdb/tree/ValueAccessor.h>
-
 namespace stf {
 
 namespace {
@@ -79,7 +77,7 @@ ShellGrid::Accessor::Accessor(const ShellGrid& grid) : impl_(std::make_unique<Im
 ShellGrid::Accessor::~Accessor() = default;
 ShellGrid::Accessor::Accessor(Accessor&&) noexcept = default;
 
-bool ShellGrid::Accessor::lookup(const Vec3f& objectPoint, ShellLookup& out) {
+bool ShellGrid::Accessor::lookup(const Vec3f& objectPoint, ShellLookup& out, const Rgb* core) {
     Impl& self = *impl_;
     const Vec3d at = (Vec3d(objectPoint) - self.grid.origin) * self.perVoxel;
     // Also false for NaN and for an empty grid.
@@ -109,7 +107,7 @@ bool ShellGrid::Accessor::lookup(const Vec3f& objectPoint, ShellLookup& out) {
     float sum = 0, depth = 0, depthStep = 0;
     Vec2f exemplar, exemplarStep;
     Vec3f gradX, gradY, normal;
-    Rgb core;
+    Rgb coreSum;
     int used = 0;
     for (int c = 0; c < 8; ++c) {
         if (number[c] < 0) {
@@ -136,7 +134,9 @@ bool ShellGrid::Accessor::lookup(const Vec3f& objectPoint, ShellLookup& out) {
         gradX += s.gradX * w;
         gradY += s.gradY * w;
         normal += s.normal * w;
-        core += s.core * w;
+        if (core) {
+            coreSum += core[number[c]] * w;
+        }
     }
     // With all corners the errors of interpolation and of extrapolation are opposite and equal: their mean is exact to
     // second order. Without some, only extrapolation has no bias.
@@ -147,7 +147,7 @@ bool ShellGrid::Accessor::lookup(const Vec3f& objectPoint, ShellLookup& out) {
     out.gradX = gradX * scale;
     out.gradY = gradY * scale;
     out.normal = normalize(normal);
-    out.coreRadiance = core * scale;
+    out.coreRadiance = coreSum * scale;
     return true;
 }
 

@@ -19,9 +19,8 @@ bool ShellPrism::set(const RefinedSurface& surface, const ShellBoundary& boundar
         // The direction to the inner boundary; the normal's where the shell is too thin for floats to tell.
         const Vec3d across = p[c] - Vec3d(boundary.inner[i]);
         n[c] = across / thickness[c];
-        const double l = length(n[c]);
         const double scale = std::max(std::abs(p[c].x), std::max(std::abs(p[c].y), std::abs(p[c].z)));
-        if (!(thickness[c] > 1e-4 * scale) || !(l > 0.99 && l < 1.01)) {
+        if (!(thickness[c] > 1e-4 * scale) || !(dot(n[c], n[c]) < 9)) {
             n[c] = Vec3d(surface.normals[i]);
         }
         if (!isFinite(p[c]) || !isFinite(n[c]) || !(thickness[c] > 0) || !std::isfinite(thickness[c])) {

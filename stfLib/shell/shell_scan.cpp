@@ -50,7 +50,6 @@ struct Brick {
     std::uint64_t key;
     std::size_t begin, end; ///< its triangles in the sorted list
     std::vector<ShellSample> samples;
-    std::vector<ShellSampleOrigin> origins;
     std::vector<std::unique_ptr<Leaf>> leaves; ///< values count from the brick's first sample
 };
 
@@ -187,7 +186,7 @@ void Scanner::listBricks() {
         while (end < pairs_.size() && pairs_[end].brick == pairs_[i].brick) {
             ++end;
         }
-        bricks_.push_back({pairs_[i].brick, i, end, {}, {}, {}});
+        bricks_.push_back({pairs_[i].brick, i, end, {}, {}});
         i = end;
     }
 }
@@ -275,6 +274,9 @@ ShellSample Scanner::makeSample(const Claim& claim) const {
     sample.gradX = Vec3f(gradient[0]);
     sample.gradY = Vec3f(gradient[1]);
     sample.normal = Vec3f(normal);
+    sample.triangle = std::uint32_t(claim.triangle);
+    sample.b1 = std::uint16_t(std::lround(claim.b1 * 65535.0f));
+    sample.b2 = std::uint16_t(std::lround(claim.b2 * 65535.0f));
     return sample;
 }
 
@@ -302,8 +304,6 @@ void Scanner::makeSamples(Brick& brick, const Vec3i& corner, const std::vector<C
             }
             leaf->setValueOn(openvdb::Index(v), std::int32_t(brick.samples.size()));
             brick.samples.push_back(sample);
-            brick.origins.push_back({std::uint32_t(best.triangle), std::uint16_t(std::lround(best.b1 * 65535.0f)),
-                                     std::uint16_t(std::lround(best.b2 * 65535.0f))});
         }
         if (leaf && !leaf->isEmpty()) {
             brick.leaves.push_back(std::move(leaf));
@@ -343,11 +343,9 @@ void Scanner::collect() {
         throw Error("the shell has more than 2^31 voxels");
     }
     grid_.samples.reserve(total);
-    grid_.origins.reserve(total);
     for (Brick& b : bricks_) {
         const std::int32_t first = std::int32_t(grid_.samples.size());
         grid_.samples.insert(grid_.samples.end(), b.samples.begin(), b.samples.end());
-        grid_.origins.insert(grid_.origins.end(), b.origins.begin(), b.origins.end());
         for (std::unique_ptr<Leaf>& leaf : b.leaves) {
             for (auto it = leaf->beginValueOn(); it; ++it) {
                 it.setValue(*it + first);

@@ -14,20 +14,45 @@ namespace {
 constexpr float curvatureShare = 0.9f;  ///< of the depth at which the offset folds over
 constexpr float thicknessShare = 0.45f; ///< of the object's local thickness: two shells and a gap
 constexpr float leastShare = 1e-3f;     ///< of the wanted thickness: prisms must not vanish
+constexpr double largestMitre = 2;      ///< of the thickness, at sharp spikes
 constexpr float largestSlope = 0.5f;    ///< of the thickness along the surface, beside clamped points
 
 Vec3d at(const std::vector<Vec3f>& values, int i) {
     return Vec3d(values[std::size_t(i)]);
 }
 
-/// Depth at which a triangle, moved along its corners' normals, first has no area or turns over; `limit` if later.
+/// Outward, one per point, with a component of about 1 across the faces there: the normal on smooth surfaces, longer at
+/// hard edges.
+std::vector<Vec3f> offsetDirections(const RefinedSurface& surface) {
+    std::vector<double> across(surface.points.size(), 0), angles(surface.points.size(), 0);
+    for (const Vec3i& t : surface.triangles) {
+        const Vec3d p[3] = {at(surface.points, t.x), at(surface.points, t.y), at(surface.points, t.z)};
+        const Vec3d facet = normalize(cross(p[1] - p[0], p[2] - p[0]));
+        for (int c = 0; c < 3; ++c) {
+            const Vec3d a = p[(c + 1) % 3] - p[c], b = p[(c + 2) % 3] - p[c];
+            const double angle = std::atan2(length(cross(a, b)), dot(a, b));
+            across[std::size_t(t[c])] += angle * dot(at(surface.normals, t[c]), facet);
+            angles[std::size_t(t[c])] += angle;
+        }
+    }
+    std::vector<Vec3f> directions = surface.normals;
+    for (std::size_t i = 0; i < directions.size(); ++i) {
+        const double stretch = angles[i] / std::max(across[i], angles[i] / largestMitre);
+        // Facets of a smooth surface lean away from its normals a little; that is no edge.
+        const double edge = std::clamp((stretch - 1.01) / 0.04, 0.0, 1.0);
+        directions[i] *= float(angles[i] > 0 ? 1 + (stretch - 1) * edge : 1.0);
+    }
+    return directions;
+}
+
+/// Depth at which a triangle, moved along its corners' directions, first has no area or turns over; `limit` if later.
 /// With corners P_i - d N_i the doubled area vector is a quadratic in d.
-double foldDepth(const RefinedSurface& surface, const Vec3i& t, double limit) {
+double foldDepth(const RefinedSurface& surface, const std::vector<Vec3f>& directions, const Vec3i& t, double limit) {
     const Vec3d e1 = at(surface.points, t.y) - at(surface.points, t.x);
     const Vec3d e2 = at(surface.points, t.z) - at(surface.points, t.x);
-    const Vec3d m1 = at(surface.normals, t.y) - at(surface.normals, t.x);
-    const Vec3d m2 = at(surface.normals, t.z) - at(surface.normals, t.x);
-    const Vec3d n = normalize(at(surface.normals, t.x) + at(surface.normals, t.y) + at(surface.normals, t.z));
+    const Vec3d m1 = at(directions, t.y) - at(directions, t.x);
+    const Vec3d m2 = at(directions, t.z) - at(directions, t.x);
+    const Vec3d n = normalize(at(directions, t.x) + at(directions, t.y) + at(directions, t.z));
     const double c = dot(cross(e1, e2), n);
     if (!(c > 0)) {
         return limit; // degenerate or already turned: nothing to learn from it
@@ -48,17 +73,19 @@ double foldDepth(const RefinedSurface& surface, const Vec3i& t, double limit) {
     return depth;
 }
 
-void limitByCurvature(const RefinedSurface& surface, float thickness, std::vector<float>& limit) {
+void limitByCurvature(const RefinedSurface& surface, const std::vector<Vec3f>& directions, float thickness,
+                      std::vector<float>& limit) {
     for (const Vec3i& t : surface.triangles) {
         const double far = 2.0 * double(thickness) / double(curvatureShare);
-        const float most = float(foldDepth(surface, t, far) * double(curvatureShare));
+        const float most = float(foldDepth(surface, directions, t, far) * double(curvatureShare));
         for (int c = 0; c < 3; ++c) {
             limit[std::size_t(t[c])] = std::min(limit[std::size_t(t[c])], most);
         }
     }
 }
 
-void limitByOppositeSide(const RefinedSurface& surface, float thickness, std::vector<float>& limit) {
+void limitByOppositeSide(const RefinedSurface& surface, const std::vector<Vec3f>& directions, float thickness,
+                         std::vector<float>& limit) {
     const RayMesh mesh(surface.points, surface.triangles);
     std::vector<float> edge(surface.points.size(), 1e30f);
     for (const Vec3i& t : surface.triangles) {
@@ -73,7 +100,7 @@ void limitByOppositeSide(const RefinedSurface& surface, float thickness, std::ve
         for (std::size_t i = begin; i < end; ++i) {
             Ray ray;
             ray.origin = surface.points[i];
-            ray.direction = -surface.normals[i];
+            ray.direction = -directions[i]; // so that hits are found at depths across the shell
             // Past the point's own triangles, but not past the other side of a thin part.
             ray.tNear = std::max(
                 1e-2f * std::min(edge[i], thickness),
@@ -142,10 +169,10 @@ private:
     std::vector<int> neighbours_;
 };
 
-void offset(const RefinedSurface& surface, ShellBoundary& boundary) {
+void offset(const RefinedSurface& surface, const std::vector<Vec3f>& directions, ShellBoundary& boundary) {
     boundary.inner.resize(surface.points.size());
     for (std::size_t i = 0; i < surface.points.size(); ++i) {
-        boundary.inner[i] = Vec3f(Vec3d(surface.points[i]) - Vec3d(surface.normals[i]) * double(boundary.thickness[i]));
+        boundary.inner[i] = Vec3f(Vec3d(surface.points[i]) - Vec3d(directions[i]) * double(boundary.thickness[i]));
     }
 }
 
@@ -182,8 +209,9 @@ ShellBoundary offsetInward(const RefinedSurface& surface, float thickness, const
     }
     ShellBoundary boundary;
     boundary.thickness.assign(surface.points.size(), thickness);
-    limitByCurvature(surface, thickness, boundary.thickness);
-    limitByOppositeSide(surface, thickness, boundary.thickness);
+    const std::vector<Vec3f> directions = offsetDirections(surface);
+    limitByCurvature(surface, directions, thickness, boundary.thickness);
+    limitByOppositeSide(surface, directions, thickness, boundary.thickness);
 
     const float least = leastShare * thickness;
     for (float& t : boundary.thickness) {
@@ -191,10 +219,10 @@ ShellBoundary offsetInward(const RefinedSurface& surface, float thickness, const
     }
     const Spread spread(surface);
     spread.apply(thickness, boundary.thickness);
-    offset(surface, boundary);
+    offset(surface, directions, boundary);
     for (int round = 0; round < 8 && lowerTurned(surface, least, boundary); ++round) {
         spread.apply(thickness, boundary.thickness);
-        offset(surface, boundary);
+        offset(surface, directions, boundary);
     }
 
     float lowest = thickness;

@@ -6,11 +6,12 @@
 
 namespace stf {
 
-/// The shell's inner boundary: the limit surface moved inward along its normals.
+/// The shell's inner boundary: the limit surface moved inward along its normals, at hard edges by as much more as keeps
+/// the boundary parallel to the faces (mitred).
 struct ShellBoundary {
-    std::vector<Vec3f> inner;       ///< one per point of the surface, object space
-    std::vector<float> thickness;   ///< object units, per point; at most the wanted one
-    int clampedPoints = 0;          ///< points where curvature or a thin part lowered it
+    std::vector<Vec3f> inner;     ///< one per point of the surface, object space
+    std::vector<float> thickness; ///< object units, across the shell, per point; at most the wanted one
+    int clampedPoints = 0;        ///< points where curvature or a thin part lowered it
 };
 
 /// Offsets by `thickness` (object units). Where the offset would fold over (thickness above 0.9 of the concave-side

@@ -45,21 +45,21 @@ struct ControlMesh {
 
 /// What `sanitize` found and mended.
 struct MeshRepairs {
-    int droppedFaces = 0;      ///< fewer than 3 distinct vertices, or indices out of range
-    int mendedFaces = 0;       ///< repeated neighbouring vertices were merged
-    int nonFinitePoints = 0;   ///< faces that use them are dropped; the points themselves become zero
-    bool droppedUvs = false;   ///< wrong counts or indices
-    int nonFiniteUvs = 0;      ///< set to zero
+    int droppedFaces = 0;    ///< fewer than 3 distinct vertices, or indices out of range
+    int mendedFaces = 0;     ///< repeated neighbouring vertices were merged
+    int nonFinitePoints = 0; ///< faces that use them are dropped; the points themselves become zero
+    bool droppedUvs = false; ///< wrong counts or indices
+    int nonFiniteUvs = 0;    ///< set to zero
     bool droppedColors = false;
     bool droppedNormals = false;
-    bool droppedTags = false;  ///< creases, corners, holes out of range
+    bool droppedTags = false; ///< creases, corners, holes out of range
     /// One sentence, empty if nothing had to be mended.
     std::string summary() const;
 };
 
 /// Makes a mesh safe for everything below: drops what is degenerate, out of range or not finite (coordinates beyond
-/// 1e18 count as not finite, since their squares overflow). Points keep their numbers, faces do not. Afterwards the counts
-/// and indices fit, arrays per face or face vertex follow the remaining faces, and tags name existing vertices.
+/// 1e18 count as not finite, since their squares overflow). Points keep their numbers, faces do not. Afterwards the
+/// counts and indices fit, arrays per face or face vertex follow the remaining faces, and tags name existing vertices.
 /// Throws Error if no face is left ("has no usable face").
 MeshRepairs sanitize(ControlMesh& mesh);
 

@@ -19,8 +19,8 @@ struct Ray {
 
 struct RayHit {
     float t = 0;
-    Vec3f geometricNormal;   ///< object space of the mesh, not normalised, right-hand rule of the triangle
-    float u = 0, v = 0;      ///< barycentric: (1-u-v) a + u b + v c
+    Vec3f geometricNormal; ///< object space of the mesh, not normalised, right-hand rule of the triangle
+    float u = 0, v = 0;    ///< barycentric: (1-u-v) a + u b + v c
     std::uint32_t instance = 0;
     std::uint32_t geometry = 0; ///< 0: the (outer) surface, 1: inner boundary
     std::uint32_t triangle = 0;
@@ -53,8 +53,8 @@ struct RayInstance {
     bool visible = true;
 };
 
-/// All instances in world space. Only surfaces (geometry 0) take part in world-space queries; the march asks the mesh for
-/// its inner boundary. Immutable after construction; queries from any number of threads.
+/// All instances in world space. Only surfaces (geometry 0) take part in world-space queries; the march asks the mesh
+/// for its inner boundary. Immutable after construction; queries from any number of threads.
 class RayScene {
 public:
     explicit RayScene(const std::vector<RayInstance>& instances);

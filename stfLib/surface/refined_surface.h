@@ -9,13 +9,13 @@ namespace stf {
 /// A triangulated limit surface. Vertices are shared where the surface is smooth; texture coordinates have their own
 /// vertices, so that a chart may end along an edge.
 struct RefinedSurface {
-    std::vector<Vec3f> points;       ///< limit positions, object space
-    std::vector<Vec3f> normals;      ///< unit limit normals, outward (left-handed meshes already turned)
-    std::vector<Vec3i> triangles;    ///< counter-clockwise seen from outside
-    std::vector<int> triangleFace;   ///< face of the control mesh (its number before `sanitize`'s drops is not kept)
-    std::vector<Vec2f> uvs;          ///< empty without uv
-    std::vector<Vec3i> uvTriangles;  ///< one per triangle, indices into uvs
-    std::vector<Rgb> colors;         ///< one per point, empty: grey
+    std::vector<Vec3f> points;      ///< limit positions, object space
+    std::vector<Vec3f> normals;     ///< unit limit normals, outward (left-handed meshes already turned)
+    std::vector<Vec3i> triangles;   ///< counter-clockwise seen from outside
+    std::vector<int> triangleFace;  ///< face of the control mesh (its number before `sanitize`'s drops is not kept)
+    std::vector<Vec2f> uvs;         ///< empty without uv
+    std::vector<Vec3i> uvTriangles; ///< one per triangle, indices into uvs
+    std::vector<Rgb> colors;        ///< one per point, empty: grey
     /// Shading normals per triangle corner (3 per triangle) where the mesh is faceted or has authored face-varying
     /// normals; empty: use `normals`.
     std::vector<Vec3f> cornerNormals;
@@ -23,7 +23,8 @@ struct RefinedSurface {
 };
 
 struct RefineOptions {
-    /// Refine until the longest edge of a typical face (95th percentile) is below this, in object units; 0: only `level`.
+    /// Refine until the longest edge of a typical face (95th percentile) is below this, in object units; 0: only
+    /// `level`.
     float targetEdge = 0;
     /// Uniform levels at least (Hydra's refine level) and at most.
     int level = 0;

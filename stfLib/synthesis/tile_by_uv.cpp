@@ -150,19 +150,20 @@ Vec2d uvScale(const RefinedSurface& surface, const std::vector<UvFrame>& frames,
     return {scale[0], scale[1]};
 }
 
-/// Gradients at the corners, smooth over triangles that share a uv vertex.
+/// Gradients at the corners, smooth over triangles that share a uv vertex and are not mirrored to one another: across a
+/// mirror line the mean would cancel.
 class SmoothGradients {
 public:
     SmoothGradients(const RefinedSurface& surface, const std::vector<UvFrame>& frames)
-        : surface_(surface), frames_(frames), sumU_(surface.uvs.size()), sumV_(surface.uvs.size()),
-          area_(surface.uvs.size()) {
+        : surface_(surface), frames_(frames) {
+        for (std::vector<Sum>& side : sums_) {
+            side.resize(surface.uvs.size());
+        }
         for (std::size_t t = 0; t < frames.size(); ++t) {
-            if (!frames[t].degenerate) {
+            const UvFrame& f = frames[t];
+            if (!f.degenerate) {
                 for (int c = 0; c < 3; ++c) {
-                    const std::size_t i = std::size_t(surface.uvTriangles[t][c]);
-                    sumU_[i] += frames[t].gradU * frames[t].area;
-                    sumV_[i] += frames[t].gradV * frames[t].area;
-                    area_[i] += frames[t].area;
+                    sums_[f.uvArea < 0][std::size_t(surface.uvTriangles[t][c])].add({f.gradU, f.gradV, f.area});
                 }
             }
         }
@@ -170,41 +171,36 @@ public:
 
     /// False where neither the triangle nor its neighbours know a direction.
     bool at(std::size_t t, int c, Vec3d& gradU, Vec3d& gradV) const {
-        const std::size_t i = std::size_t(surface_.uvTriangles[t][c]);
-        const UvFrame& own = frames_[t];
-        if (!(area_[i] > 0)) {
-            // A collapsed triangle whose corner belongs to collapsed ones only: what the other corners say.
-            Vec3d u, v;
-            double area = 0;
-            for (int k = 0; k < 3; ++k) {
-                const std::size_t other = std::size_t(surface_.uvTriangles[t][k]);
-                u += sumU_[other];
-                v += sumV_[other];
-                area += area_[other];
-            }
-            if (!(area > 0)) {
-                return false;
-            }
-            gradU = u / area;
-            gradV = v / area;
-        } else {
-            gradU = sumU_[i] / area_[i];
-            gradV = sumV_[i] / area_[i];
-            // Where uv are mirrored at a shared vertex the mean cancels; the triangle's own is right then.
-            if (!own.degenerate && (dot(gradU, own.gradU) < 0.25 * dot(own.gradU, own.gradU) ||
-                                    dot(gradV, own.gradV) < 0.25 * dot(own.gradV, own.gradV))) {
-                gradU = own.gradU;
-                gradV = own.gradV;
-            }
+        const Vec3i& uv = surface_.uvTriangles[t];
+        Sum sum = sums_[frames_[t].uvArea < 0][std::size_t(uv[c])];
+        if (frames_[t].degenerate) {
+            sum = larger(std::size_t(uv[c]));
         }
-        return true;
+        // A corner that belongs to collapsed triangles only takes what the other corners say.
+        for (int k = 0; k < 3 && !(sum.area > 0); ++k) {
+            sum = larger(std::size_t(uv[k]));
+        }
+        gradU = sum.gradU / sum.area;
+        gradV = sum.gradV / sum.area;
+        return sum.area > 0;
     }
 
 private:
+    /// Gradients times area, and area.
+    struct Sum {
+        Vec3d gradU, gradV;
+        double area = 0;
+        void add(const Sum& s) {
+            gradU += s.gradU * s.area;
+            gradV += s.gradV * s.area;
+            area += s.area;
+        }
+    };
+    const Sum& larger(std::size_t uv) const { return sums_[sums_[1][uv].area > sums_[0][uv].area][uv]; }
+
     const RefinedSurface& surface_;
     const std::vector<UvFrame>& frames_;
-    std::vector<Vec3d> sumU_, sumV_;
-    std::vector<double> area_;
+    std::vector<Sum> sums_[2]; ///< per uv vertex; the second of mirrored triangles
 };
 
 Vec3d tangential(const Vec3d& v, const Vec3d& normal) {
