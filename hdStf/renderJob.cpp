@@ -145,7 +145,7 @@ void HdStfRenderJob::StartRender() {
         _progress.samplesDone = 0;
         _progress.samplesWanted = _samplesWanted;
         _progress.finished = false;
-        _progress.stage.clear();
+        _progress.stage = "prepare";
         _progress.stageFraction = 0;
     }
     if (_stopped.load() || _bindings.empty() || !_cameraUsable) {

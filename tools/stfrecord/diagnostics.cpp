@@ -24,8 +24,42 @@ Diagnostics::~Diagnostics() {
     PXR_NS::TfDiagnosticMgr::GetInstance().RemoveDelegate(this);
 }
 
+void Diagnostics::holdBack() {
+    std::lock_guard<std::mutex> lock(mutex_);
+    holding_ = true;
+}
+
+std::string Diagnostics::release() {
+    std::vector<Kept> kept;
+    {
+        std::lock_guard<std::mutex> lock(mutex_);
+        holding_ = false;
+        kept.swap(kept_);
+    }
+    for (const Kept& k : kept) {
+        if (k.message.severity == "error") {
+            return k.message.text;
+        }
+    }
+    for (const Kept& k : kept) {
+        console_.message(k.message.severity, k.message.text, k.countsAsError);
+    }
+    return {};
+}
+
+void Diagnostics::say(const std::string& severity, const std::string& text, bool countsAsError) {
+    {
+        std::lock_guard<std::mutex> lock(mutex_);
+        if (holding_) {
+            kept_.push_back({{severity, text}, countsAsError});
+            return;
+        }
+    }
+    console_.message(severity, text, countsAsError);
+}
+
 void Diagnostics::IssueError(const PXR_NS::TfError& error) {
-    console_.message("error", error.GetCommentary(), true);
+    say("error", error.GetCommentary(), true);
 }
 
 void Diagnostics::IssueFatalError(const PXR_NS::TfCallContext&, const std::string& message) {
@@ -34,11 +68,11 @@ void Diagnostics::IssueFatalError(const PXR_NS::TfCallContext&, const std::strin
 }
 
 void Diagnostics::IssueStatus(const PXR_NS::TfStatus& status) {
-    console_.message("info", status.GetCommentary(), false);
+    say("info", status.GetCommentary(), false);
 }
 
 void Diagnostics::IssueWarning(const PXR_NS::TfWarning& warning) {
-    console_.message("warning", warning.GetCommentary(), meansLoss(warning));
+    say("warning", warning.GetCommentary(), meansLoss(warning));
 }
 
 } // namespace stfrecord

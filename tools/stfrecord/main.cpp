@@ -7,8 +7,8 @@
 #include "tools/stfrecord/stageCamera.h"
 #include "tools/stfrecord/stats.h"
 
-#include "pxr/base/tf/errorMark.h"
 #include "pxr/base/tf/fileUtils.h"
+#include "pxr/base/tf/pathUtils.h"
 #include "pxr/base/tf/stringUtils.h"
 #include "pxr/usd/usdGeom/metrics.h"
 
@@ -34,7 +34,7 @@ double secondsSince(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-UsdStageRefPtr openStage(const std::string& path, Console& console) {
+UsdStageRefPtr openStage(const std::string& path, Diagnostics& diagnostics, Console& console) {
     if (!TfIsFile(path, true)) {
         console.message("error", "cannot open " + path + ": there is no such file", true);
         return {};
@@ -43,11 +43,28 @@ UsdStageRefPtr openStage(const std::string& path, Console& console) {
         console.message("error", "cannot open " + path + ": not a USD file", true);
         return {};
     }
+    diagnostics.holdBack();
     const UsdStageRefPtr stage = UsdStage::Open(path);
+    const std::string problem = diagnostics.release();
     if (!stage) {
-        console.message("error", "cannot open " + path + ": it is not a readable USD scene", true);
+        console.message("error", "cannot open " + path + ": " + (problem.empty() ? "not a readable scene" : problem),
+                        true);
+    } else if (!problem.empty()) {
+        console.message("error", problem, true);
     }
     return stage;
+}
+
+/// Says which output cannot be written because its folder is not there; hours of rendering should not find that out.
+bool foldersExist(const Options& options, Console& console) {
+    for (const std::string& path : {options.output, options.png, options.stats}) {
+        const std::string folder = TfGetPathName(path);
+        if (!folder.empty() && !TfIsDir(folder, true)) {
+            console.message("error", "cannot write " + path + ": there is no folder " + folder, true);
+            return false;
+        }
+    }
+    return true;
 }
 
 /// The camera to render from; empty where the one asked for does not exist (which is then said).
@@ -186,8 +203,11 @@ private:
 };
 
 int run(const Options& options, Console& console) {
+    if (!foldersExist(options, console)) {
+        return NothingRendered;
+    }
     registerPlugins();
-    const Diagnostics diagnostics(console);
+    Diagnostics diagnostics(console);
     std::vector<std::string> available;
     const TfToken pluginId = findRenderer(options.renderer, available);
     if (pluginId.IsEmpty()) {
@@ -198,7 +218,7 @@ int run(const Options& options, Console& console) {
                         true);
         return BadUsage;
     }
-    const UsdStageRefPtr stage = openStage(options.scene, console);
+    const UsdStageRefPtr stage = openStage(options.scene, diagnostics, console);
     if (!stage) {
         return NothingRendered;
     }
