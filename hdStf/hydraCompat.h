@@ -16,6 +16,12 @@
 #define HDSTF_HAS_INSTANCER_SYNC (HD_API_VERSION >= 36)
 /// Render pass states carry a CameraUtilFraming (from 21.02).
 #define HDSTF_HAS_FRAMING (HD_API_VERSION >= 36)
+/// Render pass states are bound around a pass (to 21.02), passes are prepared (to 21.08).
+#define HDSTF_HAS_PASS_STATE_BIND (HD_API_VERSION < 41)
+#define HDSTF_HAS_PASS_PREPARE (HD_API_VERSION < 42)
+/// Spheres, cubes and the like arrive as such under scene indices, and a scene index turns them to meshes (from 23.08);
+/// before that UsdImaging does.
+#define HDSTF_HAS_IMPLICIT_SURFACES (HD_API_VERSION >= 54)
 /// Render pass states have SetCamera and SetFraming (from 23.08).
 #define HDSTF_HAS_SET_FRAMING (HD_API_VERSION >= 54)
 /// Light parameters are read by the attribute's literal name, so that `inputs:` has to be asked for (to 20.11).

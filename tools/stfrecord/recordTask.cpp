@@ -47,13 +47,19 @@ void RecordTask::Prepare(HdTaskContext*, HdRenderIndex* index) {
     }
     state_->SetAovBindings(bindings_);
     state_->Prepare(index->GetResourceRegistry());
+#if HDSTF_HAS_PASS_PREPARE
     pass_->Prepare(renderTags_);
+#endif
 }
 
 void RecordTask::Execute(HdTaskContext*) {
+#if HDSTF_HAS_PASS_STATE_BIND
     state_->Bind();
     pass_->Execute(state_, renderTags_);
     state_->Unbind();
+#else
+    pass_->Execute(state_, renderTags_);
+#endif
 }
 
 } // namespace stfrecord
