@@ -1,7 +1,10 @@
 # Third-party packages of stfLib, found in the system or in any prefix of CMAKE_PREFIX_PATH. Nothing is vendored.
 find_package(Threads REQUIRED)
 find_package(TBB 2021 REQUIRED CONFIG)
+# Debian's Imath config lists a Python library of another package and prints a page about it.
+set(CMAKE_MESSAGE_LOG_LEVEL WARNING)
 find_package(OpenEXR 3 REQUIRED CONFIG)
+unset(CMAKE_MESSAGE_LOG_LEVEL)
 find_package(embree 4 QUIET CONFIG)
 if(NOT embree_FOUND)
     find_package(embree 3.13 REQUIRED CONFIG)

@@ -14,7 +14,9 @@ namespace {
 std::atomic<int> requestedThreads{0};
 } // namespace
 
-void setThreadCount(int threads) { requestedThreads = std::max(0, threads); }
+void setThreadCount(int threads) {
+    requestedThreads = std::max(0, threads);
+}
 
 int threadCount() {
     const int n = requestedThreads;

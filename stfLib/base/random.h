@@ -13,8 +13,8 @@ namespace stf {
 class CounterRng {
 public:
     CounterRng(std::uint64_t key, std::uint64_t stream)
-        : key_{{std::uint32_t(key), std::uint32_t(key >> 32)}},
-          counter_{{0, 0, std::uint32_t(stream), std::uint32_t(stream >> 32)}} {}
+        : key_{{std::uint32_t(key), std::uint32_t(key >> 32)}}, counter_{{0, 0, std::uint32_t(stream),
+                                                                          std::uint32_t(stream >> 32)}} {}
 
     std::uint32_t bits() {
         if (used_ == 4) {
@@ -37,6 +37,8 @@ private:
 };
 
 /// A well-mixed 32-bit hash of two numbers (one Philox block), to derive scrambling seeds.
-inline std::uint32_t hash32(std::uint64_t key, std::uint64_t value) { return CounterRng(key, value).bits(); }
+inline std::uint32_t hash32(std::uint64_t key, std::uint64_t value) {
+    return CounterRng(key, value).bits();
+}
 
 } // namespace stf

@@ -38,7 +38,9 @@ std::uint32_t sobolSecond(std::uint32_t index) {
     return result;
 }
 
-float toUnit(std::uint32_t x) { return float(x >> 8) * 0x1p-24f; }
+float toUnit(std::uint32_t x) {
+    return float(x >> 8) * 0x1p-24f;
+}
 
 } // namespace
 

@@ -8,14 +8,14 @@
 namespace stf {
 
 /// A vector of three numbers: a point, a direction or one number per colour channel.
-template <class T>
+template<class T>
 struct Vec3 {
     T x{}, y{}, z{};
 
     constexpr Vec3() = default;
     constexpr explicit Vec3(T s) : x(s), y(s), z(s) {}
     constexpr Vec3(T a, T b, T c) : x(a), y(b), z(c) {}
-    template <class U>
+    template<class U>
     constexpr explicit Vec3(const Vec3<U>& v) : x(T(v.x)), y(T(v.y)), z(T(v.z)) {}
 
     constexpr T& operator[](int i) { return i == 0 ? x : i == 1 ? y : z; }
@@ -37,7 +37,7 @@ struct Vec3 {
     friend constexpr bool operator!=(const Vec3& a, const Vec3& b) { return !(a == b); }
 };
 
-template <class T>
+template<class T>
 struct Vec2 {
     T x{}, y{};
     constexpr Vec2() = default;
@@ -56,50 +56,52 @@ using Vec2d = Vec2<double>;
 /// Linear Rec.709 colour, or one coefficient per channel.
 using Rgb = Vec3f;
 
-template <class T>
+template<class T>
 constexpr T dot(const Vec3<T>& a, const Vec3<T>& b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
-template <class T>
+template<class T>
 constexpr Vec3<T> cross(const Vec3<T>& a, const Vec3<T>& b) {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-template <class T>
+template<class T>
 T length(const Vec3<T>& v) {
     return std::sqrt(dot(v, v));
 }
 /// Unit vector along v; v itself where its length is zero or not finite.
-template <class T>
+template<class T>
 Vec3<T> normalize(const Vec3<T>& v) {
     const T l = length(v);
     return l > T(0) && std::isfinite(l) ? v / l : v;
 }
-template <class T>
+template<class T>
 constexpr T maxComponent(const Vec3<T>& v) {
     return std::max(v.x, std::max(v.y, v.z));
 }
-template <class T>
+template<class T>
 constexpr T minComponent(const Vec3<T>& v) {
     return std::min(v.x, std::min(v.y, v.z));
 }
-template <class T>
+template<class T>
 constexpr T average(const Vec3<T>& v) {
     return (v.x + v.y + v.z) / T(3);
 }
-template <class T>
+template<class T>
 Vec3<T> exp(const Vec3<T>& v) {
     return {std::exp(v.x), std::exp(v.y), std::exp(v.z)};
 }
-template <class T>
+template<class T>
 bool isFinite(const Vec3<T>& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 /// Relative luminance of linear Rec.709 (ITU-R BT.709).
-inline float luminance(const Rgb& c) { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }
+inline float luminance(const Rgb& c) {
+    return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z;
+}
 
 /// Two unit vectors that make a right-handed frame (t, b, n) with the unit vector n.
 /// Branch-free form of Duff et al. 2017, "Building an Orthonormal Basis, Revisited".
-template <class T>
+template<class T>
 void orthonormalBasis(const Vec3<T>& n, Vec3<T>& t, Vec3<T>& b) {
     const T sign = std::copysign(T(1), n.z);
     const T a = T(-1) / (sign + n.z);

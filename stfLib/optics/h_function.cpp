@@ -71,7 +71,9 @@ double HFunction::operator()(double mu) const {
     return 1 / (rootAbsorption_ + 0.5 * albedo_ * sum);
 }
 
-double HFunction::reflectance(double mu) const { return 1 - rootAbsorption_ * (*this)(mu); }
+double HFunction::reflectance(double mu) const {
+    return 1 - rootAbsorption_ * (*this)(mu);
+}
 
 double HFunction::diffuseReflectance() const {
     double moment = 0;

@@ -6,8 +6,8 @@
 namespace stf {
 
 /// Henyey-Greenstein phase function (Henyey & Greenstein 1941), 1/sr, integrates to 1 over the sphere.
-/// `from` and `to` are unit directions of travel before and after scattering; |g| < 1. The form is free of cancellation:
-/// 1 -+ cos is |from -+ to|^2 / 2 (relative error of 1 -+ cos below 4e-7 in float32 for all g).
+/// `from` and `to` are unit directions of travel before and after scattering; |g| < 1. The form is free of
+/// cancellation: 1 -+ cos is |from -+ to|^2 / 2 (relative error of 1 -+ cos below 4e-7 in float32 for all g).
 float henyeyGreenstein(float g, const Vec3f& from, const Vec3f& to);
 
 /// Samples a direction of travel after scattering with density `henyeyGreenstein(g, from, .)`; u1, u2 in [0, 1).

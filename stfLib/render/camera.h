@@ -19,7 +19,8 @@ public:
     /// Throws Error if a matrix is singular or not finite.
     Camera(const Matrix4& worldToView, const Matrix4& projection);
 
-    /// Ray through normalised device coordinates (-1..1, y up), world space, unit direction, starting on the near plane.
+    /// Ray through normalised device coordinates (-1..1, y up), world space, unit direction, starting on the near
+    /// plane.
     Ray ray(double ndcX, double ndcY) const;
     /// Normalised device depth -1..1 of a world point, and its distance along the view axis.
     double ndcDepth(const Vec3d& world) const;

@@ -11,7 +11,7 @@ namespace stf {
 
 /// Arbitrary output variables, named as in the image contract.
 enum class Aov {
-    Color,       ///< rgba, linear Rec.709, premultiplied alpha
+    Color, ///< rgba, linear Rec.709, premultiplied alpha
     Alpha,
     Depth,       ///< normalised device depth mapped to 0 (near) .. 1 (far); 1 where nothing is hit
     CameraDepth, ///< distance along the view axis, scene units
@@ -23,7 +23,7 @@ enum class Aov {
     InstanceId,
     ElementId,
     SampleCount,
-    Variance,    ///< variance of the pixel's mean colour, rgb
+    Variance, ///< variance of the pixel's mean colour, rgb
     StfSingle,
     StfMultiple,
     StfCore
@@ -59,6 +59,8 @@ public:
     int height() const { return height_; }
 
     void add(int x, int y, const PixelSample& sample);
+    /// Samples in a pixel so far: the number of the next one, so that an interrupted pass is taken up where it ended.
+    std::uint32_t sampleCount(int x, int y) const;
     void setHit(int x, int y, const PixelHit& hit) { hits_[index(x, y)] = hit; }
 
     /// Rows from the bottom up (OpenGL order, as Hydra's buffers), `aovChannels` floats a pixel.

@@ -17,7 +17,7 @@ struct TransportOptions;
 
 /// The settings a host can change (tokens `stf:*`).
 struct RenderSettings {
-    int samples = 64;      ///< per pixel
+    int samples = 64; ///< per pixel
     std::uint64_t seed = 0;
     int threads = 0;       ///< 0 = all cores
     float quality = 0.02f; ///< target relative error of the tables, where a binding does not say
@@ -46,9 +46,9 @@ struct RenderStats {
 };
 
 /// How tables are had: computed at once, or through a store (the cache layer gives one).
-using TableProvider = std::function<std::shared_ptr<const StfTable>(
-    const std::shared_ptr<const BaseVolume>& volume, const TransportOptions& options, Progress& progress,
-    const MessageSink& messages)>;
+using TableProvider = std::function<std::shared_ptr<const StfTable>(const std::shared_ptr<const BaseVolume>& volume,
+                                                                    const TransportOptions& options, Progress& progress,
+                                                                    const MessageSink& messages)>;
 
 /// Renders a Scene progressively. Owned and driven by one thread (a host's render thread); `Progress::cancel` of the
 /// progress handed to `prepare` and `renderPass` may be called from any other.
@@ -65,8 +65,8 @@ public:
     /// Background where no dome covers it: colour and alpha.
     void setClearColor(const Rgb& color, float alpha);
 
-    /// Brings everything derived up to date with the scene: only what an edit touched. A mesh whose preparation fails is
-    /// reported once with its id and left out or drawn with its displayColor. Throws Cancelled.
+    /// Brings everything derived up to date with the scene: only what an edit touched. A mesh whose preparation fails
+    /// is reported once with its id and left out or drawn with its displayColor. Throws Cancelled.
     void prepare(const Scene& scene, Progress& progress);
     /// Restarts the image (film cleared, sample 0).
     void restart();

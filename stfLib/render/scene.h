@@ -24,8 +24,8 @@ struct MeshInstance {
     }
 };
 
-/// A mesh with all that a host says of it. Version numbers grow with each change, so that `Renderer::prepare` knows what
-/// to redo; setting a value to itself changes nothing.
+/// A mesh with all that a host says of it. Version numbers grow with each change, so that `Renderer::prepare` knows
+/// what to redo; setting a value to itself changes nothing.
 struct SceneMesh {
     std::shared_ptr<const ControlMesh> mesh;
     int refineLevel = 0;

@@ -90,6 +90,12 @@ bool ShellGrid::Accessor::lookup(const Vec3f& objectPoint, ShellLookup& out, con
     if (!self.corners({int(floor.x), int(floor.y), int(floor.z)}, number)) {
         return false;
     }
+    // All cache lines are asked for at once; what follows would wait for one after the other.
+    for (std::int32_t n : number) {
+        if (n >= 0) {
+            __builtin_prefetch(&self.grid.samples[std::size_t(n)]);
+        }
+    }
     const float wx[2] = {1 - f.x, f.x}, wy[2] = {1 - f.y, f.y}, wz[2] = {1 - f.z, f.z};
     float weight[8];
     int nearest = -1;

@@ -12,9 +12,10 @@ struct DirectionWeights {
     int count = 0; ///< 0: no light from there
 };
 
-/// The light directions of a table: polar nodes 0, d, 2d, ... below 90 degrees and `azimuths` nodes around, in the frame
-/// (tangent, bitangent, outward normal) of the tile. One azimuth means: averaged over azimuth. At 90 degrees the table
-/// is zero, since it is stored per perpendicular irradiance. Index = polar * azimuths + azimuth, polar 0 included.
+/// The light directions of a table: polar nodes 0, d, 2d, ... below 90 degrees and `azimuths` nodes around, in the
+/// frame (tangent, bitangent, outward normal) of the tile. One azimuth means: averaged over azimuth. At 90 degrees the
+/// table is zero, since it is stored per perpendicular irradiance. Index = polar * azimuths + azimuth, polar 0
+/// included.
 class DirectionSet {
 public:
     DirectionSet() = default;

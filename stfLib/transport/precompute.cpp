@@ -238,7 +238,8 @@ StfTable precompute(const BaseVolume& input, const TransportOptions& options, Pr
         report(messages, Severity::Info, s.str());
     }
     if (lost) {
-        report(messages, Severity::Warning, std::to_string(lost) + " walks ran parallel to the layers in a void: dropped");
+        report(messages, Severity::Warning,
+               std::to_string(lost) + " walks ran parallel to the layers in a void: dropped");
     }
     return t;
 }

@@ -19,10 +19,10 @@ public:
     Vec3d voxelMm{1, 1, 1};
     DirectionSet directions;
 
-    std::vector<float> multiple;  ///< I_m: collided fluence, [voxel][direction][rgb]
-    std::vector<Rgb> backlight;   ///< I_b: fluence for unit radiance entering from below, collided and not, [voxel]
-    std::vector<float> transmitted; ///< irradiance on the bottom, all of it, [column][direction][rgb]
-    std::vector<float> direct;      ///< the part of it that never collided, exact, [column][direction][rgb]
+    std::vector<float> multiple;     ///< I_m: collided fluence, [voxel][direction][rgb]
+    std::vector<Rgb> backlight;      ///< I_b: fluence for unit radiance entering from below, collided and not, [voxel]
+    std::vector<float> transmitted;  ///< irradiance on the bottom, all of it, [column][direction][rgb]
+    std::vector<float> direct;       ///< the part of it that never collided, exact, [column][direction][rgb]
     std::vector<Rgb> reflectedBelow; ///< share of diffuse light from below that comes back there, [column]
 
     // How it was made.

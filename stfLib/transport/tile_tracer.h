@@ -8,16 +8,16 @@
 
 namespace stf {
 
-/// Exact traversal of a tile that repeats in x and y (Amanatides & Woo 1987, "A Fast Voxel Traversal Algorithm"), shared
-/// by the walks, the exact single scattering and the camera march. Positions in voxel units (x, y of any value, wrapped;
-/// z in 0..size.z, growing inward); `t` in the unit of the caller, `direction` in voxels per that unit.
+/// Exact traversal of a tile that repeats in x and y (Amanatides & Woo 1987, "A Fast Voxel Traversal Algorithm"),
+/// shared by the walks, the exact single scattering and the camera march. Positions in voxel units (x, y of any value,
+/// wrapped; z in 0..size.z, growing inward); `t` in the unit of the caller, `direction` in voxels per that unit.
 class TileTracer {
 public:
     explicit TileTracer(const Vec3i& size) : size_(size) {}
 
-    /// Calls visit(voxel index, ix, iy, iz, t0, t1) for every voxel in order until it returns false, t reaches tMax or the
-    /// ray leaves through the top or bottom. Returns the t where it ended. Pieces of zero length are skipped.
-    template <class Visit>
+    /// Calls visit(voxel index, ix, iy, iz, t0, t1) for every voxel in order until it returns false, t reaches tMax or
+    /// the ray leaves through the top or bottom. Returns the t where it ended. Pieces of zero length are skipped.
+    template<class Visit>
     float traverse(const Vec3f& position, const Vec3f& direction, float tMax, Visit&& visit) const {
         constexpr float kInf = std::numeric_limits<float>::infinity();
         int v[3], step[3];

@@ -76,7 +76,7 @@ WalkMedium::WalkMedium(const BaseVolume& v) : size_(v.size), voxelMm_(v.voxelMm)
     }
 }
 
-template <int Channels>
+template<int Channels>
 void WalkMedium::walkChannels(const WalkSource& source, std::uint64_t seed, std::uint64_t sourceNumber,
                               std::uint64_t first, std::uint64_t count, int channel, const Progress& progress,
                               WalkTally& tally) const {

@@ -24,14 +24,14 @@ struct WalkSource {
 /// Sums over walks, per unit of entering flux (each entering photon counts 1). Channels interleaved.
 struct WalkTally {
     std::uint64_t photons = 0;
-    std::vector<double> uncollided; ///< per voxel: track length (mm) before the first collision
-    std::vector<double> collided;   ///< per voxel: track length (mm) after it
-    std::vector<double> below;      ///< per column: weight leaving through the bottom after a collision
+    std::vector<double> uncollided;      ///< per voxel: track length (mm) before the first collision
+    std::vector<double> collided;        ///< per voxel: track length (mm) after it
+    std::vector<double> below;           ///< per column: weight leaving through the bottom after a collision
     std::vector<double> belowUncollided; ///< per column: weight leaving through the bottom without one
-    Vec3d above{0, 0, 0};           ///< weight leaving through the top, collided or not
-    Vec3d absorbed{0, 0, 0};        ///< weight absorbed, tallied on its own: above + below + absorbed = photons
+    Vec3d above{0, 0, 0};                ///< weight leaving through the top, collided or not
+    Vec3d absorbed{0, 0, 0};             ///< weight absorbed, tallied on its own: above + below + absorbed = photons
     std::uint64_t collisions = 0;
-    std::uint64_t lost = 0;         ///< walks that never ended (parallel to the layers in a void): dropped
+    std::uint64_t lost = 0; ///< walks that never ended (parallel to the layers in a void): dropped
 
     void add(const WalkTally& other);
 };
@@ -56,7 +56,7 @@ public:
     Rgb opticalDepth(const Vec3f& position, const Vec3f& towardsLight) const;
 
 private:
-    template <int Channels>
+    template<int Channels>
     void walkChannels(const WalkSource& source, std::uint64_t seed, std::uint64_t sourceNumber, std::uint64_t first,
                       std::uint64_t count, int channel, const Progress& progress, WalkTally& tally) const;
 

@@ -18,7 +18,7 @@ std::string where(const BaseVolume& v, std::size_t i) {
     return s.str();
 }
 
-template <class T, class Bad>
+template<class T, class Bad>
 void check(const BaseVolume& v, const char* grid, const std::vector<T>& values, bool required, const char* rule,
            Bad bad) {
     if (values.empty() && !required) {
@@ -47,7 +47,16 @@ bool badRgb(const Rgb& c, float lo, float hi) {
     return !(isFinite(c) && minComponent(c) >= lo && maxComponent(c) <= hi);
 }
 
-bool badCoefficients(const Vec3d& c) { return !isFinite(c) || minComponent(c) < 0; }
+std::string hexadecimal(const XXH128_hash_t& hash) {
+    char text[33];
+    std::snprintf(text, sizeof text, "%016llx%016llx", static_cast<unsigned long long>(hash.high64),
+                  static_cast<unsigned long long>(hash.low64));
+    return text;
+}
+
+bool badCoefficients(const Vec3d& c) {
+    return !isFinite(c) || minComponent(c) < 0;
+}
 
 } // namespace
 
@@ -72,6 +81,23 @@ void validate(const BaseVolume& v) {
     if (badCoefficients(v.coreSigmaA) || badCoefficients(v.coreSigmaSPrime)) {
         throw Error("core coefficients must be finite and not negative");
     }
+}
+
+BaseVolume cropDepth(const BaseVolume& volume, int layers) {
+    BaseVolume v = volume;
+    v.size.z = std::clamp(layers, 1, volume.size.z);
+    const auto cut = [&](auto& values) {
+        if (!values.empty()) {
+            values.resize(v.voxelCount()); // z is the slowest index
+        }
+    };
+    cut(v.extinction);
+    cut(v.albedo);
+    cut(v.g);
+    cut(v.ior);
+    cut(v.surface);
+    cut(v.emission);
+    return v;
 }
 
 bool BaseVolume::laterallyUniform() const {
@@ -114,11 +140,11 @@ std::string BaseVolume::contentHash() const {
     add(g);
     add(ior);
     add(surface);
-    const XXH128_hash_t hash = XXH3_128bits_digest(state.get());
-    char text[33];
-    std::snprintf(text, sizeof text, "%016llx%016llx", static_cast<unsigned long long>(hash.high64),
-                  static_cast<unsigned long long>(hash.low64));
-    return text;
+    return hexadecimal(XXH3_128bits_digest(state.get()));
+}
+
+std::string contentHashOf(const std::string& text) {
+    return hexadecimal(XXH3_128bits(text.data(), text.size()));
 }
 
 } // namespace stf

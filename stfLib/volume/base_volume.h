@@ -15,14 +15,14 @@ struct BaseVolume {
     std::string name;
     Vec3i size{0, 0, 0};
     Vec3d voxelMm{1, 1, 1};
-    std::vector<Rgb> extinction;  ///< 1/mm
-    std::vector<Rgb> albedo;      ///< 0 to 1
-    std::vector<float> g;         ///< mean cosine, -1 < g < 1; empty: 0
-    std::vector<float> ior;       ///< relative to outside; empty: 1
-    std::vector<float> surface;   ///< signed distance in mm, negative inside; empty: flat top
-    std::vector<Rgb> emission;    ///< radiance per mm; empty: none
-    Vec3d coreSigmaA{0, 0, 0};       ///< 1/mm
-    Vec3d coreSigmaSPrime{0, 0, 0};  ///< 1/mm; both zero: no core given
+    std::vector<Rgb> extinction;    ///< 1/mm
+    std::vector<Rgb> albedo;        ///< 0 to 1
+    std::vector<float> g;           ///< mean cosine, -1 < g < 1; empty: 0
+    std::vector<float> ior;         ///< relative to outside; empty: 1
+    std::vector<float> surface;     ///< signed distance in mm, negative inside; empty: flat top
+    std::vector<Rgb> emission;      ///< radiance per mm; empty: none
+    Vec3d coreSigmaA{0, 0, 0};      ///< 1/mm
+    Vec3d coreSigmaSPrime{0, 0, 0}; ///< 1/mm; both zero: no core given
 
     std::size_t voxelCount() const { return std::size_t(size.x) * std::size_t(size.y) * std::size_t(size.z); }
     std::size_t index(int x, int y, int z) const {
@@ -38,8 +38,14 @@ struct BaseVolume {
     std::string contentHash() const;
 };
 
+/// 128-bit hash of a text, in hexadecimal.
+std::string contentHashOf(const std::string& text);
+
 /// Largest number of voxels that is accepted.
 constexpr std::size_t kMaxVoxels = std::size_t(1) << 27;
+
+/// The upper `layers` layers of a volume (1 to size.z).
+BaseVolume cropDepth(const BaseVolume& volume, int layers);
 
 /// Throws Error naming the grid, how many values are wrong and the first of them: not finite, negative extinction,
 /// albedo outside 0..1, |g| >= 1, index of refraction outside 0.1..10, wrong array sizes, zero or absurd tile sizes.

@@ -58,7 +58,7 @@ void setMedium(BaseVolume& v, std::size_t i, const Vec3d& sigmaA, const Vec3d& s
                    float(sigmaS.z / (sigmaA.z + sigmaS.z))};
 }
 
-template <class F>
+template<class F>
 void forEachVoxel(const BaseVolume& v, F f) {
     for (int z = 0; z < v.size.z; ++z) {
         for (int y = 0; y < v.size.y; ++y) {
@@ -122,8 +122,8 @@ BaseVolume makeWax(const SampleOptions& options) {
         double filled = 0;
         for (int b = 0; b < n; ++b) {
             for (int a = 0; a < n; ++a) {
-                const double d = depthAt(mm.x + ((a + 0.5) / n - 0.5) * v.voxelMm.x,
-                                         mm.y + ((b + 0.5) / n - 0.5) * v.voxelMm.y);
+                const double d =
+                    depthAt(mm.x + ((a + 0.5) / n - 0.5) * v.voxelMm.x, mm.y + ((b + 0.5) / n - 0.5) * v.voxelMm.y);
                 filled += std::clamp((mm.z + 0.5 * v.voxelMm.z - d) / v.voxelMm.z, 0.0, 1.0) / (n * n);
             }
         }

@@ -21,7 +21,7 @@ openvdb::CoordBBox boxOf(const Vec3i& size) {
     return {openvdb::Coord(0, 0, 0), openvdb::Coord(size.x - 1, size.y - 1, size.z - 1)};
 }
 
-template <class Grid, class Value, class T>
+template<class Grid, class Value, class T>
 openvdb::GridBase::Ptr make(const std::vector<T>& values, const Vec3i& size, const Vec3d& voxelMm,
                             const std::string& name) {
     static_assert(sizeof(Value) == sizeof(T), "the arrays are handed to OpenVDB as they are");
@@ -39,7 +39,7 @@ openvdb::GridBase::Ptr make(const std::vector<T>& values, const Vec3i& size, con
     return grid;
 }
 
-template <class Grid, class Value, class T>
+template<class Grid, class Value, class T>
 std::vector<T> extract(const openvdb::GridPtrVec& grids, const std::string& name, const Vec3i& size) {
     for (const auto& base : grids) {
         if (base->getName() != name) {

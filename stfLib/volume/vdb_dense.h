@@ -16,8 +16,8 @@ namespace stf {
 /// Registers OpenVDB's types, once per process.
 void initializeOpenVdb();
 
-/// Dense arrays (x fastest) to grids and back. `read` returns an empty array for a missing grid and throws Error for one
-/// of another type.
+/// Dense arrays (x fastest) to grids and back. `read` returns an empty array for a missing grid and throws Error for
+/// one of another type.
 openvdb::GridBase::Ptr toGrid(const std::vector<Rgb>& values, const Vec3i& size, const Vec3d& voxelMm,
                               const std::string& name);
 openvdb::GridBase::Ptr toGrid(const std::vector<float>& values, const Vec3i& size, const Vec3d& voxelMm,
@@ -35,7 +35,7 @@ VdbFile readVdb(const std::string& path);
 void writeVdb(const std::string& path, const openvdb::GridPtrVec& grids, const openvdb::MetaMap& metadata);
 
 /// Metadata that must be there, with its type. Throws Error.
-template <class Meta>
+template<class Meta>
 auto requiredMeta(const openvdb::MetaMap& map, const char* key) {
     const auto value = map.getMetadata<Meta>(key);
     if (!value) {

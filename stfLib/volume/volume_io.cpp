@@ -18,8 +18,8 @@ BaseVolume parse(const VdbFile& file, const MessageSink& messages) {
     BaseVolume v;
     const int version = requiredMeta<openvdb::Int32Metadata>(file.metadata, "stf:version");
     if (version > kVersion || version < 1) {
-        throw Error("base volume version " + std::to_string(version) + " is not known to this program (it reads up to " +
-                    std::to_string(kVersion) + ")");
+        throw Error("base volume version " + std::to_string(version) +
+                    " is not known to this program (it reads up to " + std::to_string(kVersion) + ")");
     }
     const openvdb::Vec3i size = requiredMeta<openvdb::Vec3IMetadata>(file.metadata, "stf:size");
     const openvdb::Vec3d voxel = requiredMeta<openvdb::Vec3DMetadata>(file.metadata, "stf:voxel_mm");
@@ -55,7 +55,8 @@ BaseVolume parse(const VdbFile& file, const MessageSink& messages) {
     }
     for (float n : v.ior) {
         if (std::abs(n - 1) > 1e-6f) {
-            report(messages, Severity::Warning, "the index of refraction is read but not used: light enters unrefracted");
+            report(messages, Severity::Warning,
+                   "the index of refraction is read but not used: light enters unrefracted");
             break;
         }
     }
@@ -73,9 +74,8 @@ BaseVolume parse(const VdbFile& file, const MessageSink& messages) {
 BaseVolume readBaseVolume(const std::string& path, const MessageSink& messages) {
     const VdbFile file = readVdb(path);
     try {
-        return parse(file, [&](Severity severity, const std::string& text) {
-            report(messages, severity, path + ": " + text);
-        });
+        return parse(
+            file, [&](Severity severity, const std::string& text) { report(messages, severity, path + ": " + text); });
     } catch (const std::exception& e) {
         throw Error(path + ": " + e.what());
     }

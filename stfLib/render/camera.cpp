@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stfLib/render/camera.h"
+
+#include "stfLib/base/error.h"
+
+namespace stf {
+
+namespace {
+
+Matrix4 multiply(const Matrix4& a, const Matrix4& b) {
+    Matrix4 m{};
+    for (std::size_t i = 0; i < 4; ++i) {
+        for (std::size_t j = 0; j < 4; ++j) {
+            for (std::size_t k = 0; k < 4; ++k) {
+                m[i * 4 + j] += a[i * 4 + k] * b[k * 4 + j];
+            }
+        }
+    }
+    return m;
+}
+
+// Gauss-Jordan with partial pivoting; rows are scaled first, since clipping planes spread over many orders.
+Matrix4 invert(Matrix4 a) {
+    Matrix4 inv{};
+    for (std::size_t i = 0; i < 4; ++i) {
+        inv[i * 4 + i] = 1;
+    }
+    for (std::size_t c = 0; c < 4; ++c) {
+        std::size_t pivot = c;
+        for (std::size_t r = c + 1; r < 4; ++r) {
+            if (std::abs(a[r * 4 + c]) > std::abs(a[pivot * 4 + c])) {
+                pivot = r;
+            }
+        }
+        const double p = a[pivot * 4 + c];
+        if (!(std::abs(p) > 0) || !std::isfinite(p)) {
+            throw Error("the camera's matrix is singular or not finite");
+        }
+        for (std::size_t k = 0; k < 4; ++k) {
+            std::swap(a[c * 4 + k], a[pivot * 4 + k]);
+            std::swap(inv[c * 4 + k], inv[pivot * 4 + k]);
+        }
+        for (std::size_t k = 0; k < 4; ++k) {
+            a[c * 4 + k] /= p;
+            inv[c * 4 + k] /= p;
+        }
+        for (std::size_t r = 0; r < 4; ++r) {
+            const double f = a[r * 4 + c];
+            if (r == c || f == 0) {
+                continue;
+            }
+            for (std::size_t k = 0; k < 4; ++k) {
+                a[r * 4 + k] -= f * a[c * 4 + k];
+                inv[r * 4 + k] -= f * inv[c * 4 + k];
+            }
+        }
+    }
+    return inv;
+}
+
+Vec3d project(const Matrix4& m, const Vec3d& p) {
+    const double w = p.x * m[3] + p.y * m[7] + p.z * m[11] + m[15];
+    return Vec3d(p.x * m[0] + p.y * m[4] + p.z * m[8] + m[12], p.x * m[1] + p.y * m[5] + p.z * m[9] + m[13],
+                 p.x * m[2] + p.y * m[6] + p.z * m[10] + m[14]) /
+           w;
+}
+
+constexpr Matrix4 kIdentity{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+
+} // namespace
+
+Camera::Camera() : worldToView_(kIdentity), projection_(kIdentity), ndcToWorld_(kIdentity) {}
+
+Camera::Camera(const Matrix4& worldToView, const Matrix4& projection)
+    : worldToView_(worldToView), projection_(projection),
+      // Inverted one by one: the product of both loses digits where the camera is far from the origin.
+      ndcToWorld_(multiply(invert(projection), invert(worldToView))) {}
+
+Ray Camera::ray(double x, double y) const {
+    const Vec3d near = project(ndcToWorld_, {x, y, -1}), far = project(ndcToWorld_, {x, y, 1});
+    Ray r;
+    r.origin = Vec3f(near);
+    r.direction = Vec3f(normalize(far - near));
+    return r;
+}
+
+double Camera::ndcDepth(const Vec3d& world) const {
+    return project(projection_, project(worldToView_, world)).z;
+}
+
+double Camera::viewDepth(const Vec3d& world) const {
+    return -project(worldToView_, world).z;
+}
+
+Vec3f Camera::viewNormal(const Vec3f& n) const {
+    const Matrix4& m = worldToView_;
+    const Vec3d v(n);
+    return normalize(Vec3f(float(v.x * m[0] + v.y * m[4] + v.z * m[8]), float(v.x * m[1] + v.y * m[5] + v.z * m[9]),
+                           float(v.x * m[2] + v.y * m[6] + v.z * m[10])));
+}
+
+} // namespace stf

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stfLib/render/core_light.h"
+
+#include "stfLib/base/parallel.h"
+#include "stfLib/base/sampler.h"
+#include "stfLib/core/core_solver.h"
+#include "stfLib/render/shell_march.h"
+#include "stfLib/transport/tile_tracer.h"
+
+#include <numeric>
+
+namespace stf {
+
+namespace {
+
+constexpr float kPi = 3.14159265358979f;
+constexpr std::size_t kMinSamples = 400, kMaxSamples = 2200;
+constexpr int kDomeSamples = 96, kDistantSamples = 8;
+
+// Points spread evenly by area over the inner boundary: strata of equal area along the list of triangles.
+struct BoundaryPoints {
+    std::vector<std::size_t> triangle;
+    std::vector<float> b1, b2;
+    double area = 0; // object units
+};
+
+BoundaryPoints spread(const ShellObject& o, std::size_t wanted, std::uint64_t seed) {
+    const std::vector<Vec3i>& triangles = o.surface.triangles;
+    const std::vector<Vec3f>& inner = o.boundary.inner;
+    std::vector<double> sum(triangles.size());
+    double total = 0;
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+        const Vec3d a(inner[std::size_t(triangles[i].x)]), b(inner[std::size_t(triangles[i].y)]),
+            c(inner[std::size_t(triangles[i].z)]);
+        total += 0.5 * length(cross(b - a, c - a));
+        sum[i] = total;
+    }
+    BoundaryPoints p;
+    p.area = total;
+    if (!(total > 0)) {
+        return p;
+    }
+    CounterRng rng(seed, 0x636f7265);
+    for (std::size_t i = 0; i < wanted; ++i) {
+        const double at = (double(i) + double(rng.uniform())) / double(wanted) * total;
+        const std::size_t t = std::min<std::size_t>(
+            triangles.size() - 1, std::size_t(std::upper_bound(sum.begin(), sum.end(), at) - sum.begin()));
+        const float r = std::sqrt(rng.uniform()), v = rng.uniform();
+        p.triangle.push_back(t);
+        p.b1.push_back(r * (1 - v));
+        p.b2.push_back(r * v);
+    }
+    return p;
+}
+
+template<class T>
+T blend(const std::vector<T>& values, const Vec3i& t, float b1, float b2) {
+    return values[std::size_t(t.x)] * (1 - b1 - b2) + values[std::size_t(t.y)] * b1 + values[std::size_t(t.z)] * b2;
+}
+
+// The frame of the exemplar at a point of a triangle.
+ShellLookup frameAt(const ShellObject& o, std::size_t triangle, float b1, float b2) {
+    const std::size_t corner = 3 * triangle;
+    const Vec3i c{int(corner), int(corner + 1), int(corner + 2)};
+    ShellLookup at{};
+    at.exemplar = blend(o.map.cornerCoords, c, b1, b2);
+    at.gradX = blend(o.map.gradientX, c, b1, b2);
+    at.gradY = blend(o.map.gradientY, c, b1, b2);
+    at.normal = normalize(blend(o.surface.normals, o.surface.triangles[triangle], b1, b2));
+    return at;
+}
+
+} // namespace
+
+Vec3f jitterOnSurface(const RayMesh& mesh, const Vec3f& point, const Vec3f& normal, float radius, Vec2f u) {
+    Vec3f t, b;
+    orthonormalBasis(normal, t, b);
+    const float r = radius * std::sqrt(u.x), phi = 2 * kPi * u.y;
+    Ray probe;
+    probe.origin = point + t * (r * std::cos(phi)) + b * (r * std::sin(phi)) + normal * radius;
+    probe.direction = -normal;
+    probe.tFar = 2 * radius;
+    RayHit hit;
+    // Only the front of the same sheet will do.
+    return radius > 0 && mesh.intersect(probe, hit, 1) && dot(hit.geometricNormal, normal) > 0
+               ? probe.origin + probe.direction * hit.t
+               : point;
+}
+
+std::vector<Rgb> coreRadiance(const ShellObject& o, const Transform& objectToWorld, const RayScene& scene,
+                              const LightSet& lights, std::uint64_t seed, Progress& progress) {
+    const std::size_t points = o.surface.points.size();
+    // Samples about half a diffusion length apart, as far as a direct sum allows.
+    double diffusionLength = 1e30;
+    const Dipole dipoles[3] = {{o.core.sigmaA.x, o.core.sigmaSPrime.x},
+                               {o.core.sigmaA.y, o.core.sigmaSPrime.y},
+                               {o.core.sigmaA.z, o.core.sigmaSPrime.z}};
+    for (const Dipole& d : dipoles) {
+        if (d.diffuseAlbedo() > 0) {
+            diffusionLength = std::min(diffusionLength, d.diffusionLength());
+        }
+    }
+    const double areaMm2 = spread(o, 0, seed).area * double(o.mmPerUnit) * double(o.mmPerUnit);
+    const double wanted = areaMm2 / (0.25 * diffusionLength * diffusionLength);
+    const std::size_t count = std::size_t(std::clamp(wanted, double(kMinSamples), double(kMaxSamples)));
+    const BoundaryPoints at = spread(o, count, seed);
+    if (at.triangle.empty()) {
+        return std::vector<Rgb>(points, Rgb(0.0f));
+    }
+
+    CoreSamples s;
+    s.positions.resize(count);
+    s.areas.assign(count, float(areaMm2 / double(count)));
+    s.diffuse.assign(count, Rgb(0.0f));
+    s.direct = s.shellReflectance = s.diffuse;
+    const Transform worldToObject = objectToWorld.inverse();
+    const Vec3i size = o.table->size;
+    const float offset = 1e-3f * o.grid.voxelSize();
+
+    parallelFor(count, 16, [&](std::size_t begin, std::size_t end) {
+        if (progress.cancelled()) {
+            throw Cancelled();
+        }
+        for (std::size_t i = begin; i < end; ++i) {
+            const Vec3i& tri = o.surface.triangles[at.triangle[i]];
+            const ShellLookup frame = frameAt(o, at.triangle[i], at.b1[i], at.b2[i]);
+            s.positions[i] = blend(o.boundary.inner, tri, at.b1[i], at.b2[i]) * o.mmPerUnit;
+            const Vec3f outer = blend(o.surface.points, tri, at.b1[i], at.b2[i]);
+            const int ix = TileTracer::wrap(int(std::floor(frame.exemplar.x / float(o.volume->voxelMm.x))), size.x);
+            const int iy = TileTracer::wrap(int(std::floor(frame.exemplar.y / float(o.volume->voxelMm.y))), size.y);
+            const std::size_t column = std::size_t(ix) + std::size_t(size.x) * std::size_t(iy);
+            s.shellReflectance[i] = o.table->reflectedBelow[column];
+
+            const Vec3f worldNormal = normalize(Vec3f(objectToWorld.normal(Vec3d(frame.normal))));
+            for (std::size_t l = 0; l < lights.count(); ++l) {
+                const int n = lights.isDome(l) ? kDomeSamples : kDistantSamples;
+                for (int k = 0; k < n; ++k) {
+                    PixelSampler sampler(seed + 17 * l, i, std::uint32_t(k));
+                    const Vec2f u = sampler.next2d(), v = sampler.next2d();
+                    const LightSample light = lights.sample(l, worldNormal, u);
+                    const Vec3f towards = normalize(Vec3f(worldToObject.vector(Vec3d(light.towards))));
+                    const Vec3f local = toTileFrame(frame, towards);
+                    if (!(local.z > 0) || !(maxComponent(light.irradiance) > 0)) {
+                        continue;
+                    }
+                    const Vec3f start =
+                        jitterOnSurface(*o.rayMesh, outer, frame.normal, o.blurRadiusMm / o.mmPerUnit, v);
+                    Ray shadow;
+                    shadow.origin = Vec3f(objectToWorld.point(Vec3d(start + frame.normal * offset)));
+                    shadow.direction = light.towards;
+                    if (scene.occluded(shadow)) {
+                        continue;
+                    }
+                    const DirectionWeights w = o.table->directions.weights(local);
+                    const Rgb all = o.table->transmittedAt(column, w), direct = o.table->directAt(column, w);
+                    const Rgb in = light.irradiance / float(n);
+                    s.diffuse[i] += in * (all - direct);
+                    for (int c = 0; c < 3; ++c) {
+                        const double diffuse = dipoles[c].diffuseAlbedo();
+                        if (diffuse > 0) {
+                            const double ratio = dipoles[c].directAlbedo(double(local.z)) / diffuse;
+                            s.direct[i][c] += in[c] * direct[c] * float(ratio);
+                        }
+                    }
+                }
+            }
+        }
+    });
+
+    CoreSolver solver(o.core, std::move(s));
+    solver.solve(progress);
+    std::vector<Rgb> radiance(points);
+    parallelFor(points, 64, [&](std::size_t begin, std::size_t end) {
+        if (progress.cancelled()) {
+            throw Cancelled();
+        }
+        for (std::size_t i = begin; i < end; ++i) {
+            radiance[i] = solver.exitance(o.boundary.inner[i] * o.mmPerUnit) / kPi;
+        }
+    });
+    return radiance;
+}
+
+} // namespace stf

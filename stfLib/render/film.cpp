@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stfLib/render/film.h"
+
+namespace stf {
+
+namespace {
+
+struct AovInfo {
+    const char* name;
+    Aov aov;
+    int channels;
+};
+constexpr AovInfo kAovs[] = {
+    {"color", Aov::Color, 4},
+    {"alpha", Aov::Alpha, 1},
+    {"depth", Aov::Depth, 1},
+    {"cameraDepth", Aov::CameraDepth, 1},
+    {"normal", Aov::Normal, 3},
+    {"Neye", Aov::Neye, 3},
+    {"position", Aov::Position, 3},
+    {"albedo", Aov::Albedo, 3},
+    {"primId", Aov::PrimId, 1},
+    {"instanceId", Aov::InstanceId, 1},
+    {"elementId", Aov::ElementId, 1},
+    {"sampleCount", Aov::SampleCount, 1},
+    {"variance", Aov::Variance, 3},
+    {"stf:single", Aov::StfSingle, 3},
+    {"stf:multiple", Aov::StfMultiple, 3},
+    {"stf:core", Aov::StfCore, 3},
+};
+
+const AovInfo& info(Aov aov) {
+    for (const AovInfo& i : kAovs) {
+        if (i.aov == aov) {
+            return i;
+        }
+    }
+    return kAovs[0];
+}
+
+} // namespace
+
+bool aovFromName(const std::string& name, Aov& aov) {
+    for (const AovInfo& i : kAovs) {
+        if (name == i.name) {
+            aov = i.aov;
+            return true;
+        }
+    }
+    return false;
+}
+
+bool aovIsInteger(Aov aov) {
+    return aov == Aov::PrimId || aov == Aov::InstanceId || aov == Aov::ElementId;
+}
+
+int aovChannels(Aov aov) {
+    return info(aov).channels;
+}
+
+void Film::resize(int width, int height) {
+    width_ = std::max(0, width);
+    height_ = std::max(0, height);
+    clear();
+}
+
+void Film::clear() {
+    const std::size_t n = std::size_t(width_) * std::size_t(height_);
+    pixels_.assign(n, Accumulator());
+    hits_.assign(n, PixelHit());
+}
+
+std::uint32_t Film::sampleCount(int x, int y) const {
+    return pixels_[index(x, y)].count;
+}
+
+void Film::add(int x, int y, const PixelSample& s) {
+    Accumulator& a = pixels_[index(x, y)];
+    const Vec3d c(s.color);
+    a.color += c;
+    a.colorSquared += c * c;
+    a.single += Vec3d(s.single);
+    a.multiple += Vec3d(s.multiple);
+    a.core += Vec3d(s.core);
+    a.alpha += double(s.alpha);
+    ++a.count;
+}
+
+std::vector<float> Film::read(Aov aov) const {
+    const std::size_t channels = std::size_t(aovChannels(aov));
+    std::vector<float> out(pixels_.size() * channels);
+    for (std::size_t i = 0; i < pixels_.size(); ++i) {
+        const Accumulator& a = pixels_[i];
+        const PixelHit& h = hits_[i];
+        const double inv = a.count ? 1.0 / a.count : 0.0;
+        float* const p = out.data() + i * channels;
+        const auto put = [&](const Vec3f& v) { p[0] = v.x, p[1] = v.y, p[2] = v.z; };
+        switch (aov) {
+        case Aov::Color:
+            put(Rgb(a.color * inv));
+            p[3] = float(a.alpha * inv);
+            break;
+        case Aov::Alpha:
+            p[0] = float(a.alpha * inv);
+            break;
+        case Aov::Depth:
+            p[0] = h.depth;
+            break;
+        case Aov::CameraDepth:
+            p[0] = h.cameraDepth;
+            break;
+        case Aov::Normal:
+            put(h.normal);
+            break;
+        case Aov::Neye:
+            put(h.neye);
+            break;
+        case Aov::Position:
+            put(h.position);
+            break;
+        case Aov::Albedo:
+            put(h.albedo);
+            break;
+        case Aov::SampleCount:
+            p[0] = float(a.count);
+            break;
+        case Aov::Variance: {
+            const Vec3d mean = a.color * inv, v = a.colorSquared * inv - mean * mean;
+            const double scale = a.count > 1 ? 1.0 / (a.count - 1) : 0.0;
+            put({float(std::max(0.0, v.x) * scale), float(std::max(0.0, v.y) * scale),
+                 float(std::max(0.0, v.z) * scale)});
+            break;
+        }
+        case Aov::StfSingle:
+            put(Rgb(a.single * inv));
+            break;
+        case Aov::StfMultiple:
+            put(Rgb(a.multiple * inv));
+            break;
+        case Aov::StfCore:
+            put(Rgb(a.core * inv));
+            break;
+        case Aov::PrimId:
+        case Aov::InstanceId:
+        case Aov::ElementId:
+            break; // integers: readIds
+        }
+    }
+    return out;
+}
+
+std::vector<std::int32_t> Film::readIds(Aov aov) const {
+    std::vector<std::int32_t> out(hits_.size());
+    for (std::size_t i = 0; i < hits_.size(); ++i) {
+        out[i] = aov == Aov::PrimId       ? hits_[i].primId
+                 : aov == Aov::InstanceId ? hits_[i].instanceId
+                                          : hits_[i].elementId;
+    }
+    return out;
+}
+
+double Film::relativeError() const {
+    double mean = 0, error = 0;
+    for (const Accumulator& a : pixels_) {
+        if (a.count < 2) {
+            continue;
+        }
+        const double inv = 1.0 / a.count;
+        const Vec3d m = a.color * inv, v = (a.colorSquared * inv - m * m) * (1.0 / (a.count - 1));
+        // Channels are taken as fully correlated: the safe side.
+        error += 0.2126 * std::sqrt(std::max(0.0, v.x)) + 0.7152 * std::sqrt(std::max(0.0, v.y)) +
+                 0.0722 * std::sqrt(std::max(0.0, v.z));
+        mean += 0.2126 * m.x + 0.7152 * m.y + 0.0722 * m.z;
+    }
+    return mean > 0 ? error / mean : 0;
+}
+
+} // namespace stf

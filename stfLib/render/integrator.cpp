@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stfLib/render/integrator.h"
+
+#include "stfLib/render/core_light.h"
+#include "stfLib/transport/tile_tracer.h"
+
+namespace stf {
+
+namespace {
+
+constexpr float kPi = 3.14159265358979f;
+constexpr int kMaxSurfaces = 64;     // of transparent shells along one ray
+constexpr int kMaxLightsPerPath = 4; // more are chosen from at random, so that cost stays bounded
+const Rgb kDefaultColor(0.5f);
+
+template<class T>
+T blend(const std::vector<T>& v, const Vec3i& t, float u, float w) {
+    return v[std::size_t(t.x)] * (1 - u - w) + v[std::size_t(t.y)] * u + v[std::size_t(t.z)] * w;
+}
+
+} // namespace
+
+bool Integrator::occluded(const Vec3f& origin, const Vec3f& direction) {
+    ++rays_;
+    Ray r;
+    r.origin = origin;
+    r.direction = direction;
+    return scene_.rays->occluded(r);
+}
+
+Integrator::Surfel Integrator::surfelAt(const PreparedInstance& instance, const Ray& ray, const RayHit& hit) const {
+    const RefinedSurface& s = *instance.mesh->surface;
+    const Vec3i& t = s.triangles[hit.triangle];
+    Vec3f normal = blend(s.normals, t, hit.u, hit.v);
+    if (!s.cornerNormals.empty()) {
+        const int c = int(3 * hit.triangle);
+        normal = blend(s.cornerNormals, {c, c + 1, c + 2}, hit.u, hit.v);
+    }
+    const Vec3f p = blend(s.points, t, hit.u, hit.v);
+    // Shadow rays start from the smooth surface, else facets show at the terminator (Hanika 2021, "Hacking the shadow
+    // terminator", Ray Tracing Gems II): the mean of the projections onto the corners' tangent planes.
+    Vec3f lifted = p;
+    const float weight[3] = {1 - hit.u - hit.v, hit.u, hit.v};
+    for (int k = 0; k < 3 && s.cornerNormals.empty(); ++k) {
+        const std::size_t i = std::size_t(t[k]);
+        lifted -= s.normals[i] * (weight[k] * std::min(0.0f, dot(p - s.points[i], s.normals[i])));
+    }
+    Surfel out;
+    out.point = ray.origin + ray.direction * hit.t;
+    out.normal = normalize(Vec3f(instance.objectToWorld.normal(Vec3d(normal))));
+    out.shadowOrigin = lifted;
+    out.albedo = s.colors.empty() ? kDefaultColor : blend(s.colors, t, hit.u, hit.v);
+    return out;
+}
+
+Rgb Integrator::shadePlain(const PreparedInstance& instance, const Surfel& surfel, const Vec3f& direction,
+                           PixelSampler& sampler) {
+    const Vec3f n = dot(surfel.normal, direction) > 0 ? -surfel.normal : surfel.normal;
+    const Vec3f origin = Vec3f(instance.objectToWorld.point(Vec3d(surfel.shadowOrigin))) + n * scene_.shadowOffset;
+    Rgb sum(0.0f);
+    for (std::size_t l = 0; l < scene_.lights.count(); ++l) {
+        const LightSample light = scene_.lights.sample(l, n, sampler.next2d());
+        const float cosine = dot(n, light.towards);
+        if (cosine > 0 && maxComponent(light.irradiance) > 0 && !occluded(origin, light.towards)) {
+            sum += light.irradiance * cosine;
+        }
+    }
+    return surfel.albedo * sum / kPi;
+}
+
+ShellRadiance Integrator::shadeShell(const PreparedInstance& instance, const Surfel& surfel, const Ray& ray,
+                                     const RayHit& hit, PixelSampler& sampler) {
+    const ShellObject& shell = *instance.mesh->shell;
+    const Vec3f origin(instance.worldToObject.point(Vec3d(ray.origin)));
+    const Vec3f scaled(instance.worldToObject.vector(Vec3d(ray.direction)));
+    const float scale = length(scaled);
+    const Vec3f direction = scaled / scale;
+    const Vec3f objectNormal = normalize(Vec3f(instance.worldToObject.normal(Vec3d(surfel.normal))));
+    const float offset = 1e-3f * shell.grid.voxelSize();
+
+    ShellLight lights[kMaxLightsPerPath];
+    int count = 0;
+    const std::size_t all = scene_.lights.count();
+    const std::size_t chosen = std::min<std::size_t>(all, kMaxLightsPerPath);
+    // Where there are more lights than a path takes: a random start, then evenly through the list.
+    const float first = all > chosen ? sampler.next1d() : 0.0f;
+    for (std::size_t k = 0; k < chosen; ++k) {
+        const std::size_t l = all > chosen ? std::size_t((float(k) + first) * float(all) / float(chosen)) % all : k;
+        const LightSample light = scene_.lights.sample(l, surfel.normal, sampler.next2d());
+        const Vec2f disc = sampler.next2d();
+        if (!(maxComponent(light.irradiance) > 0)) {
+            continue;
+        }
+        const auto visible = [&](const Vec3f& point) {
+            return !occluded(Vec3f(instance.objectToWorld.point(Vec3d(point + objectNormal * offset))), light.towards);
+        };
+        const Rgb irradiance = light.irradiance * (float(all) / float(chosen));
+        ShellLight s;
+        s.towards = normalize(Vec3f(instance.worldToObject.vector(Vec3d(light.towards))));
+        const bool exact = visible(surfel.shadowOrigin);
+        const Vec3f moved = jitterOnSurface(*instance.mesh->rayMesh, surfel.shadowOrigin, objectNormal,
+                                            shell.blurRadiusMm / shell.mmPerUnit, disc);
+        const bool blurred = moved == surfel.shadowOrigin ? exact : visible(moved);
+        s.forSingle = exact ? irradiance : Rgb(0.0f);
+        s.forMultiple = blurred ? irradiance : Rgb(0.0f);
+        if (exact || blurred) {
+            lights[count++] = s;
+        }
+    }
+
+    std::unique_ptr<ShellMarch>& march = marches_[std::size_t(&instance - scene_.instances.data())];
+    if (!march) {
+        march = std::make_unique<ShellMarch>(shell, instance.core.empty() ? nullptr : instance.core.data());
+    }
+    ++rays_;
+    ShellRadiance r = march->march(origin, direction, hit.t * scale, lights, count, sampler);
+    r.tExit /= scale;
+    return r;
+}
+
+PixelSample Integrator::sample(Ray ray, PixelSampler& sampler) {
+    PixelSample out;
+    Rgb throughput(1.0f);
+    for (int surface = 0; surface < kMaxSurfaces; ++surface) {
+        RayHit hit;
+        ++rays_;
+        if (!scene_.rays->intersect(ray, hit)) {
+            const bool dome = scene_.lights.hasDome();
+            out.color += throughput * (dome ? scene_.lights.background(ray.direction) : scene_.clearColor);
+            out.alpha += average(throughput) * (dome ? 1.0f : scene_.clearAlpha);
+            return out;
+        }
+        const PreparedInstance& instance = scene_.instances[hit.instance];
+        const Surfel surfel = surfelAt(instance, ray, hit);
+        if (!instance.mesh->shell) {
+            out.color += throughput * shadePlain(instance, surfel, ray.direction, sampler);
+            out.alpha += average(throughput);
+            return out;
+        }
+        const Vec3f objectDirection(instance.worldToObject.vector(Vec3d(ray.direction)));
+        if (dot(objectDirection, hit.geometricNormal) >= 0) {
+            // The inside of a surface: light that left the shell on its other side. Nothing is here.
+            ray.tNear = hit.t * (1 + 1e-6f) + scene_.shadowOffset;
+            continue;
+        }
+        const ShellRadiance r = shadeShell(instance, surfel, ray, hit, sampler);
+        const Rgb single = throughput * r.single, multiple = throughput * r.multiple, core = throughput * r.core;
+        out.single += single;
+        out.multiple += multiple;
+        out.core += core;
+        out.color += single + multiple + core;
+        const Rgb left = throughput * r.transmittance;
+        out.alpha += average(throughput - left);
+        throughput = left;
+        if (!(maxComponent(throughput) > 0)) {
+            return out;
+        }
+        ray.tNear = std::max(r.tExit, hit.t) * (1 + 1e-6f) + scene_.shadowOffset;
+    }
+    return out;
+}
+
+PixelHit Integrator::firstHit(const Ray& ray, const Camera& camera) {
+    PixelHit out;
+    RayHit hit;
+    ++rays_;
+    if (!scene_.rays->intersect(ray, hit)) {
+        return out;
+    }
+    const PreparedInstance& instance = scene_.instances[hit.instance];
+    const Surfel s = surfelAt(instance, ray, hit);
+    const Vec3d p(s.point);
+    out.depth = float(0.5 * camera.ndcDepth(p) + 0.5);
+    out.cameraDepth = float(camera.viewDepth(p));
+    out.normal = s.normal;
+    out.neye = camera.viewNormal(s.normal);
+    out.position = s.point;
+    out.albedo = s.albedo;
+    if (const ShellObject* shell = instance.mesh->shell.get()) {
+        // The albedo of the first voxel with material, straight down from where the ray enters.
+        ShellGrid::Accessor accessor(shell->grid);
+        ShellLookup at;
+        if (accessor.lookup(Vec3f(instance.worldToObject.point(p)), at)) {
+            const BaseVolume& v = *shell->volume;
+            const int x = TileTracer::wrap(int(std::floor(at.exemplar.x / float(v.voxelMm.x))), v.size.x);
+            const int y = TileTracer::wrap(int(std::floor(at.exemplar.y / float(v.voxelMm.y))), v.size.y);
+            for (int z = 0; z < v.size.z; ++z) {
+                const std::size_t i = v.index(x, y, z);
+                if (maxComponent(v.extinction[i]) > 0) {
+                    out.albedo = v.albedo[i];
+                    break;
+                }
+            }
+        }
+    }
+    out.primId = instance.primId;
+    out.instanceId = instance.instanceId;
+    out.elementId = instance.mesh->surface->triangleFace[hit.triangle];
+    return out;
+}
+
+} // namespace stf

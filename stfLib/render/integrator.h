@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "stfLib/render/camera.h"
+#include "stfLib/render/film.h"
+#include "stfLib/render/prepared_scene.h"
+#include "stfLib/render/shell_march.h"
+
+#include <memory>
+
+namespace stf {
+
+/// Follows camera rays through a prepared scene. One per thread: it holds the accessors of the shells it met.
+class Integrator {
+public:
+    explicit Integrator(const PreparedScene& scene) : scene_(scene), marches_(scene.instances.size()) {}
+
+    PixelSample sample(Ray ray, PixelSampler& sampler);
+    /// The first surface along a ray, for the AOVs that are not averaged.
+    PixelHit firstHit(const Ray& ray, const Camera& camera);
+    std::uint64_t rays() const { return rays_; }
+
+private:
+    struct Surfel {
+        Vec3f point, normal; ///< world; normal of the smooth surface, turned to no side
+        Vec3f shadowOrigin;  ///< object space, lifted to the smooth surface
+        Rgb albedo;
+    };
+    Surfel surfelAt(const PreparedInstance& instance, const Ray& ray, const RayHit& hit) const;
+    Rgb shadePlain(const PreparedInstance& instance, const Surfel& surfel, const Vec3f& direction,
+                   PixelSampler& sampler);
+    ShellRadiance shadeShell(const PreparedInstance& instance, const Surfel& surfel, const Ray& ray, const RayHit& hit,
+                             PixelSampler& sampler);
+    bool occluded(const Vec3f& origin, const Vec3f& direction);
+
+    const PreparedScene& scene_;
+    std::vector<std::unique_ptr<ShellMarch>> marches_;
+    std::uint64_t rays_ = 0;
+};
+
+} // namespace stf

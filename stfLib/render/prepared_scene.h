@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "stfLib/render/light_set.h"
+#include "stfLib/render/shell_object.h"
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace stf {
+
+/// A mesh ready for rendering: a shell where a base volume is bound, else a surface with its displayColor.
+struct PreparedMesh {
+    std::shared_ptr<const RefinedSurface> surface;
+    std::shared_ptr<const RayMesh> rayMesh;
+    std::shared_ptr<const ShellObject> shell; ///< null for a plain surface
+};
+
+struct PreparedInstance {
+    std::shared_ptr<const PreparedMesh> mesh;
+    Transform objectToWorld, worldToObject;
+    std::int32_t primId = -1, instanceId = -1;
+    std::vector<Rgb> core; ///< radiance leaving the core, per sample of the shell's grid; empty for a black one
+};
+
+/// Everything a camera ray meets. Immutable while a pass runs.
+struct PreparedScene {
+    std::vector<PreparedInstance> instances;
+    std::unique_ptr<const RayScene> rays;
+    LightSet lights;
+    float shadowOffset = 1e-5f; ///< world units, for rays that leave a plain surface
+    Rgb clearColor{0.0f};
+    float clearAlpha = 0;
+};
+
+} // namespace stf

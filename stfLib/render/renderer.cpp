@@ -1,0 +1,330 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stfLib/render/renderer.h"
+
+#include "stfLib/base/parallel.h"
+#include "stfLib/render/core_light.h"
+#include "stfLib/render/integrator.h"
+#include "stfLib/render/shell_builder.h"
+#include "stfLib/transport/precompute.h"
+
+#include <atomic>
+#include <chrono>
+#include <set>
+
+namespace stf {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr int kTile = 16; // pixels
+
+double since(Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+std::shared_ptr<const StfTable> computeTable(const std::shared_ptr<const BaseVolume>& volume,
+                                             const TransportOptions& options, Progress& progress,
+                                             const MessageSink& messages) {
+    return std::make_shared<const StfTable>(precompute(*volume, options, progress, messages));
+}
+
+// Inverse of the tent's distribution function: samples spread over two pixels, each counts the same.
+float tent(float u) {
+    return u < 0.5f ? std::sqrt(2 * u) - 1 : 1 - std::sqrt(2 - 2 * u);
+}
+
+} // namespace
+
+struct Renderer::Impl {
+    explicit Impl(TableProvider tables)
+        : builder(tables ? std::move(tables) : TableProvider(computeTable),
+                  [this](Severity s, const std::string& text) { say(s, text); }) {}
+
+    // Each text once: a host prepares again after every edit.
+    void say(Severity severity, const std::string& text) {
+        const std::lock_guard<std::mutex> lock(messageMutex);
+        if (said.insert(text).second) {
+            report(sink, severity, text);
+        }
+    }
+
+    struct Kept {
+        std::uint64_t meshVersion = 0, stfVersion = 0;
+        double metersPerUnit = 0;
+        float quality = 0;
+        std::shared_ptr<const PreparedMesh> mesh; // null where nothing can be drawn
+        std::vector<PlanEntry> plan;
+    };
+
+    void prepareMesh(const std::string& id, const SceneMesh& m, double metersPerUnit, Kept& kept, Progress& progress);
+    void placeInstances(const Scene& source);
+
+    std::mutex messageMutex;
+    MessageSink sink;
+    std::set<std::string> said;
+
+    RenderSettings settings;
+    Camera camera;
+    Film film;
+    ShellBuilder builder;
+    std::map<std::string, Kept> kept;
+    std::unique_ptr<PreparedScene> scene;
+    Rgb clearColor{0.0f};
+    float clearAlpha = 0;
+    std::uint64_t preparedVersion = 0, lightVersion = 0;
+    int passes = 0;
+    RenderStats stats;
+    std::vector<PlanEntry> scenePlan;
+    Clock::time_point prepareStart;
+};
+
+void Renderer::Impl::prepareMesh(const std::string& id, const SceneMesh& m, double metersPerUnit, Kept& k,
+                                 Progress& progress) {
+    k.meshVersion = m.meshVersion;
+    k.stfVersion = m.stfVersion;
+    k.metersPerUnit = metersPerUnit;
+    k.quality = settings.quality;
+    k.mesh = nullptr;
+    k.plan.clear();
+    ControlMesh mesh = *m.mesh;
+    auto prepared = std::make_shared<PreparedMesh>();
+    try {
+        const MeshRepairs repairs = sanitize(mesh);
+        if (const std::string summary = repairs.summary(); !summary.empty()) {
+            say(Severity::Warning, id + ": " + summary);
+        }
+    } catch (const Error& e) {
+        say(Severity::Error, id + ": mesh " + e.what());
+        return;
+    }
+    if (m.stf) {
+        try {
+            auto shell = builder.build(id, mesh, m.refineLevel, *m.stf, metersPerUnit, settings.quality, progress,
+                                       stats, k.plan);
+            prepared->surface = std::shared_ptr<const RefinedSurface>(shell, &shell->surface);
+            prepared->rayMesh = shell->rayMesh;
+            prepared->shell = shell;
+            k.mesh = prepared;
+            return;
+        } catch (const Cancelled&) {
+            k.meshVersion = 0; // again next time
+            throw;
+        } catch (const std::exception& e) {
+            say(Severity::Error, id + ": " + e.what() + "; drawn with its displayColor");
+            k.plan.push_back({id, "shell", false, e.what(), 0});
+        }
+    }
+    try {
+        RefineOptions options;
+        options.level = m.refineLevel;
+        if (mesh.scheme != ControlMesh::Scheme::None) {
+            Box3f box;
+            for (const Vec3f& p : mesh.points) {
+                box.add(p);
+            }
+            options.targetEdge = box.diagonal() / 100;
+        }
+        auto surface = std::make_shared<const RefinedSurface>(
+            refine(mesh, options, [&](Severity s, const std::string& text) { say(s, id + ": " + text); }));
+        prepared->rayMesh = std::make_shared<const RayMesh>(surface->points, surface->triangles);
+        prepared->surface = surface;
+        k.mesh = prepared;
+    } catch (const Error& e) {
+        say(Severity::Error, id + ": mesh " + e.what());
+    }
+}
+
+void Renderer::Impl::placeInstances(const Scene& source) {
+    std::vector<RayInstance> rays;
+    scene->instances.clear();
+    for (const auto& [id, m] : source.meshes()) {
+        const auto it = kept.find(id);
+        if (!m.visible || it == kept.end() || !it->second.mesh) {
+            continue;
+        }
+        for (const MeshInstance& i : m.instances) {
+            if (!i.objectToWorld.invertible()) {
+                say(Severity::Warning, id + ": its transform is singular or not finite, it is left out");
+                continue;
+            }
+            PreparedInstance p;
+            p.mesh = it->second.mesh;
+            p.objectToWorld = i.objectToWorld;
+            p.worldToObject = i.objectToWorld.inverse();
+            p.primId = m.primId;
+            p.instanceId = i.instanceId;
+            RayInstance r;
+            r.mesh = p.mesh->rayMesh;
+            r.objectToWorld = i.objectToWorld;
+            r.id = std::uint32_t(scene->instances.size());
+            rays.push_back(r);
+            scene->instances.push_back(std::move(p));
+        }
+    }
+    scene->rays = std::make_unique<const RayScene>(rays);
+    const Box3f box = scene->rays->bounds();
+    const float farthest = box.empty() ? 1.0f
+                                       : std::max(std::max(std::abs(box.lo.x), std::abs(box.hi.x)),
+                                                  std::max(std::max(std::abs(box.lo.y), std::abs(box.hi.y)),
+                                                           std::max(std::abs(box.lo.z), std::abs(box.hi.z))));
+    scene->shadowOffset = 1e-5f * box.diagonal() + 1e-6f * farthest;
+}
+
+Renderer::Renderer(TableProvider tables) : impl_(std::make_unique<Impl>(std::move(tables))) {}
+Renderer::~Renderer() = default;
+
+void Renderer::setMessages(MessageSink messages) {
+    const std::lock_guard<std::mutex> lock(impl_->messageMutex);
+    impl_->sink = std::move(messages);
+}
+
+void Renderer::setSettings(const RenderSettings& settings) {
+    impl_->settings = settings;
+}
+
+void Renderer::setCamera(const Camera& camera, int width, int height) {
+    impl_->camera = camera;
+    if (impl_->film.width() != width || impl_->film.height() != height) {
+        impl_->film.resize(width, height);
+    }
+}
+
+void Renderer::setClearColor(const Rgb& color, float alpha) {
+    impl_->clearColor = color;
+    impl_->clearAlpha = alpha;
+}
+
+void Renderer::prepare(const Scene& source, Progress& progress) {
+    Impl& s = *impl_;
+    setThreadCount(s.settings.threads);
+    s.prepareStart = Clock::now();
+    if (s.scene && source.version() == s.preparedVersion) {
+        return;
+    }
+    if (!s.scene) {
+        s.scene = std::make_unique<PreparedScene>();
+    }
+    s.preparedVersion = 0;
+    s.scenePlan.clear();
+
+    for (auto it = s.kept.begin(); it != s.kept.end();) {
+        it = source.meshes().count(it->first) ? std::next(it) : s.kept.erase(it);
+    }
+    for (const auto& [id, m] : source.meshes()) {
+        Impl::Kept& k = s.kept[id];
+        const bool needed = m.visible && m.mesh && !m.instances.empty();
+        const bool current = k.meshVersion == m.meshVersion && k.stfVersion == m.stfVersion &&
+                             k.metersPerUnit == source.metersPerUnit() && k.quality == s.settings.quality;
+        if (needed && !current) {
+            s.prepareMesh(id, m, source.metersPerUnit(), k, progress);
+        } else if (!needed) {
+            k.plan = {{id, "mesh", false, m.visible ? "nothing to draw" : "invisible", 0}};
+            k.meshVersion = 0;
+        }
+    }
+    if (s.lightVersion != source.lightVersion()) {
+        s.scene->lights = LightSet(source.lights(), [&](Severity v, const std::string& text) { s.say(v, text); });
+        s.lightVersion = source.lightVersion();
+    }
+    s.scenePlan.push_back(
+        {"scene", "lights", s.scene->lights.count() > 0,
+         std::to_string(s.scene->lights.count()) + " of " + std::to_string(source.lights().size()) + " give light", 0});
+    s.placeInstances(source);
+
+    // The core depends on lights and on whatever throws shadows: any edit of those solves it again, the camera does
+    // not.
+    const auto coreStart = Clock::now();
+    for (PreparedInstance& i : s.scene->instances) {
+        const ShellObject* shell = i.mesh->shell.get();
+        if (shell && !shell->coreBlack && s.scene->lights.count() > 0) {
+            i.core = shell->grid.spreadCoreRadiance(
+                coreRadiance(*shell, i.objectToWorld, *s.scene->rays, s.scene->lights, s.settings.seed, progress));
+        }
+    }
+    s.stats.coreSeconds += since(coreStart);
+    s.scenePlan.push_back({"scene", "core", since(coreStart) > 0, "solved for lights and geometry", since(coreStart)});
+    s.preparedVersion = source.version();
+}
+
+void Renderer::restart() {
+    impl_->film.clear();
+    impl_->passes = 0;
+    impl_->stats.rays = 0;
+    impl_->stats.renderSeconds = 0;
+    impl_->stats.firstPixelSeconds = 0;
+}
+
+bool Renderer::renderPass(Progress& progress) {
+    Impl& s = *impl_;
+    if (!s.scene || !s.scene->rays || converged()) {
+        return true;
+    }
+    setThreadCount(s.settings.threads);
+    s.scene->clearColor = s.clearColor;
+    s.scene->clearAlpha = s.clearAlpha;
+    const auto start = Clock::now();
+    const int width = s.film.width(), height = s.film.height();
+    const int tilesX = (width + kTile - 1) / kTile, tilesY = (height + kTile - 1) / kTile;
+    const std::uint32_t pass = std::uint32_t(s.passes);
+    std::atomic<std::uint64_t> rays{0};
+    parallelFor(std::size_t(tilesX) * std::size_t(tilesY), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t tile = begin; tile < end && !progress.cancelled(); ++tile) {
+            Integrator integrator(*s.scene);
+            const int x0 = int(tile) % tilesX * kTile, y0 = int(tile) / tilesX * kTile;
+            for (int y = y0; y < std::min(y0 + kTile, height); ++y) {
+                for (int x = x0; x < std::min(x0 + kTile, width); ++x) {
+                    if (s.film.sampleCount(x, y) > pass) {
+                        continue; // done before this pass was interrupted
+                    }
+                    const auto ndc = [&](double px, double py) {
+                        return s.camera.ray(2 * px / width - 1, 2 * py / height - 1);
+                    };
+                    if (pass == 0) {
+                        s.film.setHit(x, y, integrator.firstHit(ndc(x + 0.5, y + 0.5), s.camera));
+                    }
+                    PixelSampler sampler(s.settings.seed, std::uint64_t(y) * std::uint64_t(width) + std::uint64_t(x),
+                                         pass);
+                    const Vec2f u = sampler.next2d();
+                    const Ray ray = ndc(x + 0.5 + double(tent(u.x)), y + 0.5 + double(tent(u.y)));
+                    s.film.add(x, y, integrator.sample(ray, sampler));
+                }
+            }
+            rays += integrator.rays();
+        }
+    });
+    s.stats.rays += rays;
+    s.stats.renderSeconds += since(start);
+    if (progress.cancelled()) {
+        return false;
+    }
+    if (s.passes++ == 0) {
+        s.stats.firstPixelSeconds = since(s.prepareStart);
+    }
+    return true;
+}
+
+bool Renderer::converged() const {
+    return impl_->passes >= std::max(1, impl_->settings.samples);
+}
+
+const Film& Renderer::film() const {
+    return impl_->film;
+}
+
+RenderStats Renderer::stats() const {
+    RenderStats stats = impl_->stats;
+    stats.samplesDone = impl_->passes;
+    stats.estimatedError = impl_->film.relativeError();
+    return stats;
+}
+
+std::vector<PlanEntry> Renderer::plan() const {
+    std::vector<PlanEntry> all;
+    for (const auto& [id, k] : impl_->kept) {
+        all.insert(all.end(), k.plan.begin(), k.plan.end());
+    }
+    all.insert(all.end(), impl_->scenePlan.begin(), impl_->scenePlan.end());
+    return all;
+}
+
+} // namespace stf

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stfLib/render/shell_builder.h"
+
+#include "stfLib/transport/precompute.h"
+#include "stfLib/volume/volume_io.h"
+
+#include <chrono>
+#include <filesystem>
+#include <sstream>
+
+namespace stf {
+
+namespace {
+
+class Timer {
+public:
+    double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+
+private:
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+std::vector<VoxelMedium> mediumOf(const BaseVolume& v) {
+    std::vector<VoxelMedium> voxels(v.voxelCount());
+    for (std::size_t i = 0; i < voxels.size(); ++i) {
+        voxels[i] = {v.extinction[i], v.extinction[i] * v.albedo[i], v.g.empty() ? 0.0f : v.g[i]};
+    }
+    return voxels;
+}
+
+// Mean diffusion length of the filled voxels, mm: the distance over which multiple scattering blurs shadows.
+double diffusionLengthMm(const BaseVolume& v) {
+    double sigmaA = 0, sigmaS = 0;
+    std::size_t filled = 0;
+    for (std::size_t i = 0; i < v.voxelCount(); ++i) {
+        if (maxComponent(v.extinction[i]) > 0) {
+            const double g = v.g.empty() ? 0 : double(v.g[i]);
+            const Rgb s = v.extinction[i] * v.albedo[i];
+            sigmaS += double(average(s)) * (1 - g);
+            sigmaA += double(average(v.extinction[i] - s));
+            ++filled;
+        }
+    }
+    if (!filled || !(sigmaS > 0)) {
+        return 0;
+    }
+    sigmaA /= double(filled);
+    sigmaS /= double(filled);
+    return sigmaA > 0 ? 1 / std::sqrt(3 * sigmaA * (sigmaA + sigmaS)) : 1e9;
+}
+
+CoreMaterial coreOf(const StfBinding& binding, const BaseVolume& volume, std::string& why) {
+    CoreMaterial core;
+    if (binding.coreModel == "none") {
+        why = "coreModel is none";
+        return core;
+    }
+    core.sigmaA = volume.coreSigmaA;
+    core.sigmaSPrime = volume.coreSigmaSPrime;
+    if (binding.coreSigmaA) {
+        core.sigmaA = Vec3d(*binding.coreSigmaA);
+    }
+    if (binding.coreSigmaSPrime) {
+        core.sigmaSPrime = Vec3d(*binding.coreSigmaSPrime);
+    }
+    if (!isFinite(core.sigmaA) || !isFinite(core.sigmaSPrime) || minComponent(core.sigmaA) < 0 ||
+        minComponent(core.sigmaSPrime) < 0) {
+        throw Error("core coefficients must be finite and not negative");
+    }
+    why = core.scatters() ? "dipole" : "the core does not scatter";
+    return core;
+}
+
+} // namespace
+
+std::shared_ptr<const BaseVolume> ShellBuilder::volume(const std::string& path) {
+    namespace fs = std::filesystem;
+    std::error_code error;
+    const auto modified = fs::last_write_time(path, error).time_since_epoch().count();
+    const auto size = fs::file_size(path, error);
+    CachedVolume& c = volumes_[path];
+    if (!c.volume || c.modified != modified || c.size != size) {
+        c.volume = std::make_shared<const BaseVolume>(readBaseVolume(path, messages_));
+        c.modified = modified;
+        c.size = size;
+    }
+    return c.volume;
+}
+
+std::shared_ptr<ShellObject> ShellBuilder::build(const std::string& id, const ControlMesh& mesh, int refineLevel,
+                                                 const StfBinding& binding, double metersPerUnit, float sceneQuality,
+                                                 Progress& progress, RenderStats& stats, std::vector<PlanEntry>& plan) {
+    const auto note = [&](const char* stage, bool runs, const std::string& why, double seconds) {
+        plan.push_back({id, stage, runs, why, seconds});
+    };
+    const MessageSink messages = [&](Severity severity, const std::string& text) {
+        report(messages_, severity, id + ": " + text);
+    };
+    const std::string asset = binding.authoredPath.empty() ? binding.baseVolume : binding.authoredPath;
+    if (binding.baseVolume.empty()) {
+        throw Error("base volume '" + asset + "' was not found");
+    }
+    if (!(binding.scale > 0) || !std::isfinite(binding.scale)) {
+        throw Error("stf:scale must be positive and finite");
+    }
+    if (!(binding.thickness >= 0) || !std::isfinite(binding.thickness)) {
+        throw Error("stf:thickness must be finite and not negative");
+    }
+
+    const float quality = binding.quality > 0 ? binding.quality : sceneQuality;
+    if (!(quality > 0) || !std::isfinite(quality)) {
+        throw Error("stf:quality must be positive and finite");
+    }
+
+    auto object = std::make_shared<ShellObject>();
+    ShellObject& o = *object;
+    Timer load;
+    o.volume = volume(binding.baseVolume);
+    stats.loadSeconds += load.seconds();
+    note("load", true, asset, load.seconds());
+
+    // The shell is a whole number of layers deep: transport must see the medium that the march sees, and no more.
+    o.mmPerUnit = float(metersPerUnit * 1000.0 / double(binding.scale));
+    const double depthMm = o.volume->extentMm().z;
+    const double wantedMm = binding.thickness > 0 ? double(binding.thickness) * double(o.mmPerUnit) : depthMm;
+    if (wantedMm > depthMm * 1.0001) {
+        std::ostringstream s;
+        s << "stf:thickness is " << wantedMm << " mm, the sample is " << depthMm
+          << " mm deep; the shell is as deep as the sample";
+        report(messages, Severity::Warning, s.str());
+    }
+    const int layers =
+        std::clamp(int(std::lround(std::min(wantedMm, depthMm) / o.volume->voxelMm.z)), 1, o.volume->size.z);
+    if (layers < o.volume->size.z) {
+        o.volume = std::make_shared<const BaseVolume>(cropDepth(*o.volume, layers));
+    }
+    o.thicknessMm = float(o.volume->extentMm().z);
+    const float thickness = o.thicknessMm / o.mmPerUnit;
+
+    Timer precompute;
+    TransportOptions options;
+    options.quality = quality;
+    options.seed = std::uint64_t(std::uint32_t(binding.seed));
+    const std::string key = o.volume->contentHash() + options.key();
+    std::shared_ptr<const StfTable>& table = tableOf_[key];
+    const bool kept = table != nullptr;
+    if (!kept) {
+        table = tables_(o.volume, options, progress, messages);
+    }
+    o.table = table;
+    stats.precomputeSeconds += precompute.seconds();
+    stats.tableBytes += o.table->bytes();
+    std::string how = "form classic, " + std::to_string(o.table->directions.count()) + " directions";
+    if (kept) {
+        how = "table already in memory";
+    } else if (o.table->photonsPerDirection == 0) {
+        how = "nothing scatters";
+    }
+    note("transport", !kept && o.table->photonsPerDirection > 0, how, precompute.seconds());
+    o.voxels = mediumOf(*o.volume);
+    o.medium = std::make_shared<const WalkMedium>(*o.volume);
+
+    Timer synthesis;
+    Box3f box;
+    for (const Vec3f& p : mesh.points) {
+        box.add(p);
+    }
+    RefineOptions refineOptions;
+    refineOptions.level = refineLevel;
+    // Fine enough for the shell and for the silhouette, no finer than anyone sees.
+    refineOptions.targetEdge = std::clamp(0.35f * thickness, box.diagonal() / 400, box.diagonal() / 60);
+    refineOptions.maxTriangles = 600'000;
+    o.surface = refine(mesh, refineOptions, messages);
+    if (binding.mapping == "synthesize") {
+        report(messages, Severity::Warning, "stf:mapping synthesize is not known to this version, uv is used");
+    }
+    const Vec3d extent = o.volume->extentMm();
+    o.map = tileByUv(o.surface, {extent.x, extent.y}, 1.0 / double(o.mmPerUnit), messages);
+    stats.synthesisSeconds += synthesis.seconds();
+    note("surface", true, std::to_string(o.surface.triangles.size()) + " triangles", synthesis.seconds());
+    note("synthesis", false, o.map.description, 0);
+
+    Timer shell;
+    o.boundary = offsetInward(o.surface, thickness, messages);
+    ShellGridOptions gridOptions;
+    gridOptions.mmPerUnit = double(o.mmPerUnit);
+    o.grid = ShellGrid::build(o.surface, o.boundary, o.map, gridOptions, progress, messages);
+    o.rayMesh = std::make_shared<const RayMesh>(o.surface.points, o.surface.triangles, o.boundary.inner);
+    stats.shellSeconds += shell.seconds();
+    stats.shellBytes += o.grid.memoryBytes();
+    note("shell", true, std::to_string(o.grid.sampleCount()) + " samples", shell.seconds());
+
+    std::string why;
+    o.core = coreOf(binding, *o.volume, why);
+    o.coreBlack = !o.core.scatters();
+    note("core", !o.coreBlack, why, 0);
+    o.blurRadiusMm = float(std::min(diffusionLengthMm(*o.volume), double(o.thicknessMm)));
+    return object;
+}
+
+} // namespace stf

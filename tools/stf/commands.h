@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <string>
+
+namespace stf {
+
+/// Exit codes of all commands.
+enum ExitCode { kDone = 0, kFailed = 2, kUsage = 64 };
+
+/// Each adds one command to the program; the callback does the work and throws stf::Error on failure.
+void addMakeCommand(CLI::App& app);
+void addPrecomputeCommand(CLI::App& app);
+void addInspectCommand(CLI::App& app);
+
+} // namespace stf

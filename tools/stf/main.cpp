@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// stf: makes, precomputes and inspects base volumes.
+
+#include "stfLib/base/error.h"
+#include "tools/stf/commands.h"
+
+#include <cstdio>
+
+int main(int argc, char** argv) {
+    CLI::App app("stf: base volumes and transport tables of hdStf", "stf");
+    app.require_subcommand(1);
+    stf::addMakeCommand(app);
+    stf::addPrecomputeCommand(app);
+    stf::addInspectCommand(app);
+    try {
+        app.parse(argc, argv);
+        return stf::kDone;
+    } catch (const CLI::ParseError& e) {
+        return app.exit(e) == 0 ? stf::kDone : stf::kUsage;
+    } catch (const stf::Cancelled&) {
+        std::fprintf(stderr, "stf: cancelled\n");
+    } catch (const std::exception& e) {
+        std::fprintf(stderr, "stf: %s\n", e.what());
+    }
+    return stf::kFailed;
+}
