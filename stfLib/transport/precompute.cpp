@@ -2,6 +2,7 @@
 #include "stfLib/transport/precompute.h"
 
 #include "stfLib/base/parallel.h"
+#include "stfLib/transport/lateral_filter.h"
 #include "stfLib/transport/walk.h"
 
 #include <chrono>
@@ -12,7 +13,7 @@ namespace stf {
 
 namespace {
 
-constexpr int kAlgorithm = 1; // raise with every change that changes tables
+constexpr int kAlgorithm = 2; // raise with every change that changes tables
 constexpr int kBatches = 8;   // of each direction; their scatter is the error estimate
 
 // The first column stands for all of them.
@@ -127,7 +128,7 @@ StfTable precompute(const BaseVolume& input, const TransportOptions& options, Pr
     StfTable t;
     t.size = volume.size;
     t.voxelMm = volume.voxelMm;
-    const int azimuths = uniform ? 1 : options.azimuths > 0 ? options.azimuths : volume.hasRelief() ? 8 : 1;
+    const int azimuths = uniform ? 1 : options.azimuths > 0 ? options.azimuths : volume.hasRelief() ? 6 : 1;
     t.directions = DirectionSet(options.polars, azimuths);
     t.volumeHash = input.contentHash();
     t.seed = options.seed;
@@ -149,9 +150,11 @@ StfTable precompute(const BaseVolume& input, const TransportOptions& options, Pr
         scatters = scatters || maxComponent(volume.albedo[i] * volume.extinction[i]) > 0;
     }
 
+    const LateralFilter filter(volume);
     // A tile with more columns needs more photons for the same noise. The count is raised until the target is met; the
     // first direction decides for all. The renderer's lookup averages over about 8 voxels, worth a factor of 2.
-    const double target = 2.0 * options.quality;
+    const double target = 2.0 * double(options.quality);
+    const double gain = filter.noiseGain();
     std::uint64_t photons = std::min<std::uint64_t>(options.maxPhotons, std::max<std::uint64_t>(20000, columns * 8));
     const auto sourceOf = [&](int d) {
         WalkSource s;
@@ -161,7 +164,7 @@ StfTable precompute(const BaseVolume& input, const TransportOptions& options, Pr
     };
     if (scatters) {
         Job pilot(medium, options, progress, 1e30);
-        const double noise = relativeNoise(pilot.run(sourceOf(0), 1'000'000, photons));
+        const double noise = relativeNoise(pilot.run(sourceOf(0), 1'000'000, photons)) / gain;
         const double wanted = double(photons) * std::max(1.0, noise * noise / (target * target)) * 1.1;
         photons = std::uint64_t(std::min(wanted, double(options.maxPhotons)));
         photons = (photons + kBatches - 1) / kBatches * kBatches;
@@ -189,16 +192,22 @@ StfTable precompute(const BaseVolume& input, const TransportOptions& options, Pr
         if (scatters) {
             e = job.run(sourceOf(d), std::uint64_t(d), photons);
             lost += e.total.lost;
-            worstNoise = std::max(worstNoise, relativeNoise(e));
+            worstNoise = std::max(worstNoise, relativeNoise(e) / gain);
         } else {
             progress.update("transport", double(d) / directions);
         }
         // A unit perpendicular irradiance brings the flux mu * area into the tile.
         const double perPhoton = scatters ? double(light.z) * tileArea / double(e.total.photons) : 0;
-        for (std::size_t i = 0; scatters && i < voxels; ++i) {
-            for (std::size_t k = 0; k < 3; ++k) {
-                t.multiple[(i * std::size_t(directions) + std::size_t(d)) * 3 + k] =
-                    float(e.total.collided[i * 3 + k] * perPhoton / voxelVolume);
+        std::vector<Rgb> fluence(scatters ? voxels : 0);
+        for (std::size_t i = 0; i < fluence.size(); ++i) {
+            for (int k = 0; k < 3; ++k) {
+                fluence[i][k] = float(e.total.collided[i * 3 + std::size_t(k)] * perPhoton / voxelVolume);
+            }
+        }
+        filter.apply(fluence);
+        for (std::size_t i = 0; i < fluence.size(); ++i) {
+            for (int k = 0; k < 3; ++k) {
+                t.multiple[(i * std::size_t(directions) + std::size_t(d)) * 3 + std::size_t(k)] = fluence[i][k];
             }
         }
         for (std::size_t c = 0; c < columns; ++c) {
@@ -222,6 +231,7 @@ StfTable precompute(const BaseVolume& input, const TransportOptions& options, Pr
             t.backlight[i][k] = float((e.total.collided[at] + e.total.uncollided[at]) * perPhoton / voxelVolume);
         }
     }
+    filter.apply(t.backlight);
     for (std::size_t c = 0; c < columns; ++c) {
         for (int k = 0; k < 3; ++k) {
             t.reflectedBelow[c][k] =

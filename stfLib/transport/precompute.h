@@ -12,8 +12,8 @@ struct TransportOptions {
     std::uint64_t seed = 0;
     std::uint64_t maxPhotons =
         1'500'000;    ///< per direction and channel; reported where it keeps the noise above the target
-    int polars = 9;   ///< polar nodes below 90 degrees
-    int azimuths = 0; ///< 0: eight where there is relief, else one (averaged over azimuth)
+    int polars = 7;   ///< polar nodes below 90 degrees
+    int azimuths = 0; ///< 0: six where there is relief, else one (averaged over azimuth)
 
     /// Names these options and the version of the algorithm; with the volume's hash, the key of a cached table.
     std::string key() const;

@@ -51,11 +51,10 @@ BaseVolume blank(const char* name, const SampleOptions& options, const Vec3i& si
     return v;
 }
 
-void setMedium(BaseVolume& v, std::size_t i, const Vec3d& sigmaA, const Vec3d& sigmaS, double coverage) {
-    const Vec3d extinction = (sigmaA + sigmaS) * coverage;
-    v.extinction[i] = Rgb(extinction);
-    v.albedo[i] = {float(sigmaS.x / (sigmaA.x + sigmaS.x)), float(sigmaS.y / (sigmaA.y + sigmaS.y)),
-                   float(sigmaS.z / (sigmaA.z + sigmaS.z))};
+// Grey extinction, colour by absorption: walks then carry all channels at once, without spectral noise.
+void setMedium(BaseVolume& v, std::size_t i, const Vec3d& sigmaA, double extinction, double coverage) {
+    v.extinction[i] = Rgb(float(extinction * coverage));
+    v.albedo[i] = Rgb(Vec3d(1.0) - sigmaA / extinction);
 }
 
 template<class F>
@@ -71,26 +70,28 @@ void forEachVoxel(const BaseVolume& v, F f) {
 
 BaseVolume makeMarble(const SampleOptions& options) {
     BaseVolume v = blank("marble", options, {96, 96, 20}, 0.4);
-    // Reduced coefficients of marble, 1/mm (Jensen et al. 2001), taken with g = 0.
-    const Vec3d sigmaS{2.19, 2.62, 3.00}, sigmaA{0.0021, 0.0041, 0.0071};
-    // Veins: iron-stained calcite, absorbing a hundred times as much and scattering a little less.
-    const Vec3d veinA{0.20, 0.27, 0.36}, stainA{0.012, 0.030, 0.075};
+    // Reduced albedo of marble (Jensen et al. 2001) at the extinction of its green channel, taken with g = 0.
+    const double extinction = 2.624;
+    const Vec3d sigmaA{0.0025, 0.0041, 0.0062};
+    // Veins: iron-stained calcite, absorbing a hundred times as much; stains run out of them.
+    const Vec3d veinA{0.34, 0.46, 0.60}, stainA{0.014, 0.036, 0.085};
     const TileNoise noise{v.extentMm().x, options.seed};
     forEachVoxel(v, [&](std::size_t i, const Vec3d& mm) {
         // Domain warping bends the veins; it is periodic since the noise is.
         const double w = 0.16 * noise.tile;
         const Vec3d p = mm + Vec3d(noise(mm, 2, 1), noise(mm, 2, 2), noise(mm, 2, 3)) * w +
                         Vec3d(noise(mm, 8, 4), noise(mm, 8, 5), noise(mm, 8, 6)) * (0.14 * w);
-        const double broad = std::abs(noise(p, 2, 7)), fine = std::abs(noise(p, 4, 8) + 0.25 * noise(p, 16, 9));
-        const double strength = smoothStep(-0.25, 0.35, noise(mm, 4, 10));
-        double vein = strength * std::exp(-broad * broad / (2 * 0.022 * 0.022));
-        vein += 0.45 * (1 - strength) * std::exp(-fine * fine / (2 * 0.018 * 0.018));
+        const double broad = std::abs(noise(p, 2, 7) + 0.08 * noise(p, 16, 11));
+        const double fine = std::abs(noise(p, 4, 8) + 0.20 * noise(p, 16, 9));
+        const double strength = smoothStep(-0.35, 0.30, noise(mm, 4, 10));
+        double vein = (0.25 + 0.75 * strength) * std::exp(-std::pow(broad / 0.030, 2));
+        vein += 0.5 * smoothStep(0.1, 0.7, 1 - strength) * std::exp(-std::pow(fine / 0.022, 2));
         vein = std::min(1.0, vein);
-        const double stain = smoothStep(0.30, 0.0, broad) * (0.4 + 0.6 * strength);
-        setMedium(v, i, sigmaA + stainA * stain + veinA * vein, sigmaS * (1 - 0.25 * vein), 1.0);
+        const double stain = smoothStep(0.28, 0.0, broad) * (0.25 + 0.75 * strength);
+        setMedium(v, i, sigmaA + stainA * stain + veinA * vein, extinction, 1.0);
     });
-    v.coreSigmaA = sigmaA + stainA * 0.25 + veinA * 0.03;
-    v.coreSigmaSPrime = sigmaS;
+    v.coreSigmaA = sigmaA + stainA * 0.25 + veinA * 0.02;
+    v.coreSigmaSPrime = Vec3d(extinction) - v.coreSigmaA;
     return v;
 }
 
@@ -105,7 +106,8 @@ double waxHeight(double u, double w) {
 
 BaseVolume makeWax(const SampleOptions& options) {
     BaseVolume v = blank("wax", options, {64, 64, 32}, 10.0 / 64);
-    const Vec3d sigmaS{2.3, 2.0, 1.5}, sigmaA{0.0035, 0.016, 0.075};
+    const double extinction = 2.0;
+    const Vec3d sigmaA{0.0035, 0.017, 0.085};
     const Vec3d extent = v.extentMm();
     const double relief = std::min(1.6, 0.4 * extent.z);
     v.surface.resize(v.voxelCount());
@@ -127,10 +129,10 @@ BaseVolume makeWax(const SampleOptions& options) {
                 filled += std::clamp((mm.z + 0.5 * v.voxelMm.z - d) / v.voxelMm.z, 0.0, 1.0) / (n * n);
             }
         }
-        setMedium(v, i, sigmaA, sigmaS, filled < 1e-4 ? 0.0 : filled);
+        setMedium(v, i, sigmaA, extinction, filled < 1e-4 ? 0.0 : filled);
     });
     v.coreSigmaA = sigmaA;
-    v.coreSigmaSPrime = sigmaS;
+    v.coreSigmaSPrime = Vec3d(extinction) - sigmaA;
     return v;
 }
 
