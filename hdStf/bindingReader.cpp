@@ -107,7 +107,7 @@ public:
 
 private:
     void _Complain(TfToken const& name, std::string const& what) {
-        _messages.Report(stf::Severity::Warning,
+        _messages.Report(stf::Severity::Error,
                          _id.GetString() + ": primvars:" + name.GetString() + " " + what + "; its default is used");
     }
 

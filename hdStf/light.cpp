@@ -62,9 +62,9 @@ void HdStfLight::Sync(HdSceneDelegate* sceneDelegate, HdRenderParam* renderParam
     const HdDirtyBits bits = *dirtyBits;
     *dirtyBits = Clean;
     if (_type != HdPrimTypeTokens->distantLight && _type != HdPrimTypeTokens->domeLight) {
-        param->GetMessages().Report(stf::Severity::Warning, "lights of type " + _type.GetString() +
-                                                                " are not supported and are ignored (" +
-                                                                GetId().GetString() + ")");
+        param->GetMessages().Report(stf::Severity::Error, "lights of type " + _type.GetString() +
+                                                              " are not supported and are ignored (" +
+                                                              GetId().GetString() + ")");
         return;
     }
 

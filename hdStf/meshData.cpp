@@ -182,8 +182,8 @@ bool HdStfMeshData::_PullPrimvars(HdMesh const& mesh, HdSceneDelegate* sceneDele
         if (primvar) {
             fresh.interpolation = primvar->interpolation;
             if (!_AsArray(mesh.GetPrimvar(sceneDelegate, primvar->name), &fresh.values)) {
-                messages.Report(stf::Severity::Warning, id.GetString() + ": primvars:" + primvar->name.GetString() +
-                                                            " has a type that cannot be used; it is ignored");
+                messages.Report(stf::Severity::Error, id.GetString() + ": primvars:" + primvar->name.GetString() +
+                                                          " has a type that cannot be used; it is ignored");
             }
         }
         const bool changed = !(fresh == held);

@@ -16,7 +16,7 @@ PXR_NAMESPACE_OPEN_SCOPE
 ///
 /// What the delegate has to say about the scene: each text once, as a warning to the host (never as a Tf error: these
 /// are facts about data, and errors posted on worker threads reach nobody's error mark) and in a list that
-/// GetRenderStats hands out.
+/// GetRenderStats hands out. An Error means that something of the scene is missing in the image, or not as authored.
 ///
 /// Threading: all methods may be called from any thread.
 class HdStfMessages {

@@ -16,6 +16,12 @@ Console::Console(bool quiet) : quiet_(quiet), terminal_(::isatty(STDERR_FILENO) 
 bool Console::add(const std::string& severity, const std::string& text, bool countsAsError) {
     errors_ = errors_ || countsAsError;
     if (!seen_.insert(text).second) {
+        // Said again by one who knows better how bad it is.
+        for (Message& said : messages_) {
+            if (said.text == text && countsAsError) {
+                said.severity = severity;
+            }
+        }
         return false;
     }
     messages_.push_back({severity, text});

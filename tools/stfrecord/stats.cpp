@@ -63,8 +63,8 @@ Json frameJson(const FrameStats& frame, const Json& messages) {
 void collectMessages(const VtDictionary& delegateStats, Console& console) {
     for (const Json& message : list(delegateStats, "stf:messages")) {
         const std::string severity = message.value("severity", "error");
-        // Warnings were printed when they arose; what was not comes now.
-        console.note(severity, message.value("text", ""), severity != "info");
+        // Printed when they arose, as Tf warnings, which do not tell an error from a warning.
+        console.note(severity, message.value("text", ""), severity == "error");
     }
 }
 

@@ -19,7 +19,8 @@ struct FrameStats {
     PXR_NS::VtDictionary delegate;
 };
 
-/// Puts the delegate's own messages on the console's list; those of warnings and above count as errors.
+/// Puts the delegate's own messages on the console's list; errors among them mean that
+/// something is missing in the image.
 void collectMessages(const PXR_NS::VtDictionary& delegateStats, Console& console);
 
 /// Writes --stats: an object, or a list of them for several frames. Throws std::runtime_error.
