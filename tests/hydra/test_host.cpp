@@ -12,7 +12,7 @@
 #ifdef __SANITIZE_ADDRESS__
 /// OpenUSD keeps hundreds of blocks for the life of the process; leaks are looked for in the tests of stfLib.
 extern "C" const char* __asan_default_options();
-extern "C" const char* __asan_default_options() {
+extern "C" __attribute__((visibility("default"))) const char* __asan_default_options() {
     return "detect_leaks=0";
 }
 #endif
