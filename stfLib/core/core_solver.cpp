@@ -3,6 +3,9 @@
 
 #include "stfLib/base/parallel.h"
 
+#include <array>
+#include <map>
+
 namespace stf {
 
 namespace {
@@ -42,15 +45,65 @@ CoreSolver::CoreSolver(const CoreMaterial& m, CoreSamples samples)
     }
 }
 
-Rgb CoreSolver::gather(const Vec3f& p) const {
+void CoreSolver::buildClusters() {
+    const std::size_t n = samples_.positions.size();
+    Box3f box;
+    double area = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+        box.add(samples_.positions[i]);
+        area += double(samples_.areas[i]);
+    }
+    // Cells of a grid that hold about sqrt(n) samples each balance the two levels of the sum.
+    const float cell = float(std::sqrt(area / std::max(1.0, std::sqrt(double(n)))));
+    std::map<std::array<int, 3>, std::vector<std::size_t>> cells;
+    for (std::size_t i = 0; i < n && cell > 0; ++i) {
+        const Vec3f p = (samples_.positions[i] - box.lo) / cell;
+        cells[{int(p.x), int(p.y), int(p.z)}].push_back(i);
+    }
+    clusters_.clear();
+    order_.clear();
+    for (const auto& [key, members] : cells) {
+        Cluster c;
+        c.first = order_.size();
+        c.count = members.size();
+        Vec3d centre(0.0), flux(0.0);
+        double sum = 0;
+        for (std::size_t i : members) {
+            const double a = double(samples_.areas[i]);
+            centre += Vec3d(samples_.positions[i]) * a;
+            flux += Vec3d(source_[i]) * a;
+            sum += a;
+            order_.push_back(i);
+        }
+        c.centre = Vec3f(centre / sum);
+        c.flux = Rgb(flux);
+        c.area = float(sum);
+        for (std::size_t i : members) {
+            c.radius = std::max(c.radius, length(samples_.positions[i] - c.centre));
+        }
+        clusters_.push_back(c);
+    }
+}
+
+Rgb CoreSolver::exitance(const Vec3f& p, float opening) const {
     Vec3d sum(0.0), total(0.0);
-    for (std::size_t j = 0; j < samples_.positions.size(); ++j) {
-        const Vec3f d = samples_.positions[j] - p;
-        const float r2 = dot(d, d), area = samples_.areas[j];
+    const auto add = [&](const Vec3f& at, float area, const Rgb& flux) {
+        const Vec3f d = at - p;
+        const float r2 = dot(d, d);
         for (int c = 0; c < 3; ++c) {
-            const float k = dipoles_[c].kernel(r2 + soften2_[c]) * area;
-            sum[c] += double(k * source_[j][c]);
-            total[c] += double(k);
+            const float k = dipoles_[c].tabulated(r2 + soften2_[c]);
+            sum[c] += double(k * flux[c]);
+            total[c] += double(k * area);
+        }
+    };
+    for (const Cluster& c : clusters_) {
+        if (c.radius < opening * length(c.centre - p)) {
+            add(c.centre, c.area, c.flux);
+            continue;
+        }
+        for (std::size_t k = c.first; k < c.first + c.count; ++k) {
+            const std::size_t i = order_[k];
+            add(samples_.positions[i], samples_.areas[i], source_[i] * samples_.areas[i]);
         }
     }
     Rgb result(0.0f);
@@ -79,7 +132,7 @@ void CoreSolver::solve(Progress& progress) {
                 double total = 0;
                 for (std::size_t j = 0; j < n; ++j) {
                     const Vec3f d = samples_.positions[j] - samples_.positions[i];
-                    row[j] = dipoles_[c].kernel(dot(d, d) + soften2_[c]) * samples_.areas[j];
+                    row[j] = dipoles_[c].tabulated(dot(d, d) + soften2_[c]) * samples_.areas[j];
                     total += double(row[j]);
                 }
                 const float scale = total > 0 ? float(dipoles_[c].diffuseAlbedo() / total) : 0.0f;
@@ -123,10 +176,7 @@ void CoreSolver::solve(Progress& progress) {
             break;
         }
     }
-}
-
-Rgb CoreSolver::exitance(const Vec3f& positionMm) const {
-    return gather(positionMm);
+    buildClusters();
 }
 
 } // namespace stf

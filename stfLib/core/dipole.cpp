@@ -19,6 +19,18 @@ double poleDisc(double z, double s, double radius) {
     const double d = std::sqrt(radius * radius + z * z);
     return 0.5 * (std::exp(-s * z) - z * std::exp(-s * d) / d);
 }
+
+std::uint32_t bitsOf(float x) {
+    std::uint32_t b = 0;
+    std::memcpy(&b, &x, sizeof b);
+    return b;
+}
+
+float fromBits(std::uint32_t b) {
+    float x = 0;
+    std::memcpy(&x, &b, sizeof x);
+    return x;
+}
 } // namespace
 
 Dipole::Dipole(double sigmaA, double sigmaSPrime) {
@@ -33,6 +45,12 @@ Dipole::Dipole(double sigmaA, double sigmaSPrime) {
     zVirtual_ = float((1 + 4.0 / 3.0) / total); // z_r (1 + 4 A / 3) with A = 1
     h_ = std::make_shared<HFunction>(sigmaA / total);
     diffuseAlbedo_ = h_->diffuseReflectance();
+    auto table = std::make_shared<std::vector<float>>();
+    firstEntry_ = bitsOf(kLowestR2) >> kFractionBits;
+    for (std::uint32_t i = firstEntry_; i <= (bitsOf(kHighestR2) >> kFractionBits) + 1; ++i) {
+        table->push_back(kernel(fromBits(i << kFractionBits)));
+    }
+    table_ = table;
 }
 
 float Dipole::kernel(float r2) const {

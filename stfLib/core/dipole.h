@@ -4,7 +4,10 @@
 #include "stfLib/base/vec.h"
 #include "stfLib/optics/h_function.h"
 
+#include <cstdint>
+#include <cstring>
 #include <memory>
+#include <vector>
 
 namespace stf {
 
@@ -26,6 +29,18 @@ public:
 
     /// Radially symmetric kernel, 1/mm^2, at squared distance r2 (mm^2). Not normalised to the exact total.
     float kernel(float r2) const;
+    /// The same from a table, several times as fast; relative error below 5e-4 where it matters (tests/unit/core).
+    float tabulated(float r2) const {
+        if (black_) {
+            return 0;
+        }
+        const float clamped = std::min(std::max(r2, kLowestR2), kHighestR2);
+        std::uint32_t bits = 0;
+        std::memcpy(&bits, &clamped, sizeof bits);
+        const float* const entry = table_->data() + ((bits >> kFractionBits) - firstEntry_);
+        const float fraction = float(bits & ((1u << kFractionBits) - 1)) * (1.0f / float(1u << kFractionBits));
+        return entry[0] + (entry[1] - entry[0]) * fraction;
+    }
     /// Integral of `kernel` over a disc around the origin, closed form.
     double discIntegral(double radius) const;
     double planeIntegral() const;
@@ -37,10 +52,16 @@ public:
     double diffusionLength() const;
 
 private:
+    // The table is linear within 1/32 of an octave of r2: its index is the top of the float's own bits.
+    static constexpr int kFractionBits = 18;
+    static constexpr float kLowestR2 = 0x1p-20f, kHighestR2 = 0x1p40f;
+
     bool black_ = false;
+    std::uint32_t firstEntry_ = 0;
     float albedo_ = 0, transport_ = 0, zReal_ = 0, zVirtual_ = 0;
     double diffuseAlbedo_ = 0;
     std::shared_ptr<const HFunction> h_;
+    std::shared_ptr<const std::vector<float>> table_; ///< kernel at the values of r2 whose low mantissa bits are zero
 };
 
 } // namespace stf

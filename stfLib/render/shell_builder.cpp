@@ -168,7 +168,7 @@ std::shared_ptr<ShellObject> ShellBuilder::build(const std::string& id, const Co
     RefineOptions refineOptions;
     refineOptions.level = refineLevel;
     // Fine enough for the shell and for the silhouette, no finer than anyone sees.
-    refineOptions.targetEdge = std::clamp(0.35f * thickness, box.diagonal() / 400, box.diagonal() / 60);
+    refineOptions.targetEdge = std::clamp(0.6f * thickness, box.diagonal() / 400, box.diagonal() / 60);
     refineOptions.maxTriangles = 600'000;
     o.surface = refine(mesh, refineOptions, messages);
     if (binding.mapping == "synthesize") {
@@ -184,6 +184,8 @@ std::shared_ptr<ShellObject> ShellBuilder::build(const std::string& id, const Co
     o.boundary = offsetInward(o.surface, thickness, messages);
     ShellGridOptions gridOptions;
     gridOptions.mmPerUnit = double(o.mmPerUnit);
+    // Lookups are exact to second order: a quarter of the thickness resolves any bend that the shell itself survives.
+    gridOptions.voxelSize = 0.25f * thickness;
     o.grid = ShellGrid::build(o.surface, o.boundary, o.map, gridOptions, progress, messages);
     o.rayMesh = std::make_shared<const RayMesh>(o.surface.points, o.surface.triangles, o.boundary.inner);
     stats.shellSeconds += shell.seconds();

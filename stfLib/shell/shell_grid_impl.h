@@ -3,19 +3,12 @@
 
 // Private to the shell layer.
 
-#include "stfLib/base/tbb_guard.h"
+#include "stfLib/base/openvdb_headers.h"
 
 #include "stfLib/shell/shell_grid.h"
 
 #include <cstdint>
 #include <vector>
-
-// OpenVDB's templates need default visibility, or those instantiated here and in its library share std::call_once but
-// not the names it sets: openvdb::initialize() then dereferences null.
-#pragma GCC visibility push(default)
-#include <openvdb/openvdb.h>
-#include <openvdb/tree/ValueAccessor.h>
-#pragma GCC visibility pop
 
 namespace stf {
 

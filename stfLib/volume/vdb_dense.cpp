@@ -3,9 +3,6 @@
 
 #include "stfLib/base/error.h"
 
-#include <openvdb/io/File.h>
-#include <openvdb/tools/Dense.h>
-
 #include <filesystem>
 #include <mutex>
 #include <unistd.h>

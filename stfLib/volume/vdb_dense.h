@@ -3,10 +3,8 @@
 
 // Private to stfLib's sources: names OpenVDB types.
 #include "stfLib/base/error.h"
-#include "stfLib/base/tbb_guard.h"
+#include "stfLib/base/openvdb_headers.h"
 #include "stfLib/base/vec.h"
-
-#include <openvdb/openvdb.h>
 
 #include <string>
 #include <vector>
