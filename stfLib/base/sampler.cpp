@@ -44,11 +44,19 @@ float toUnit(std::uint32_t x) {
 
 } // namespace
 
-Vec2f PixelSampler::next2d() {
+PixelSampler::Points PixelSampler::next2dPoints(int count) {
     CounterRng rng(seed_ ^ (std::uint64_t(pair_++) << 32), pixel_);
-    const std::uint32_t shuffle = rng.bits(), a = rng.bits(), b = rng.bits();
-    const std::uint32_t index = owenScramble(sample_, shuffle);
-    return {toUnit(owenScramble(reverseBits(index), a)), toUnit(owenScramble(sobolSecond(index), b))};
+    Points p;
+    p.first = sample_ * std::uint32_t(count);
+    p.shuffle = rng.bits();
+    p.scrambleX = rng.bits();
+    p.scrambleY = rng.bits();
+    return p;
+}
+
+Vec2f PixelSampler::Points::operator[](int k) const {
+    const std::uint32_t index = owenScramble(first + std::uint32_t(k), shuffle);
+    return {toUnit(owenScramble(reverseBits(index), scrambleX)), toUnit(owenScramble(sobolSecond(index), scrambleY))};
 }
 
 } // namespace stf

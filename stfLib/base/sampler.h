@@ -15,7 +15,18 @@ public:
     PixelSampler(std::uint64_t seed, std::uint64_t pixel, std::uint32_t sample)
         : seed_(seed), pixel_(pixel), sample_(sample) {}
 
-    Vec2f next2d();
+    /// `count` points of one pair of dimensions (a power of two keeps the stratification): together, the points of
+    /// all samples of a pixel are one sequence.
+    class Points {
+    public:
+        Vec2f operator[](int k) const;
+
+    private:
+        friend class PixelSampler;
+        std::uint32_t first = 0, shuffle = 0, scrambleX = 0, scrambleY = 0;
+    };
+    Points next2dPoints(int count);
+    Vec2f next2d() { return next2dPoints(1)[0]; }
     float next1d() { return next2d().x; }
 
 private:

@@ -11,6 +11,10 @@ namespace {
 constexpr float kPi = 3.14159265358979f;
 constexpr int kMaxSurfaces = 64;     // of transparent shells along one ray
 constexpr int kMaxLightsPerPath = 4; // more are chosen from at random, so that cost stays bounded
+/// A dome is half hidden by the ground and by the object itself: several directions a path cost less than more paths.
+constexpr int kDomeDirections = 4;
+/// Of a distant light on a shell: its visibility is averaged over a disc.
+constexpr int kDistantDirections = 2;
 const Rgb kDefaultColor(0.5f);
 
 template<class T>
@@ -59,10 +63,14 @@ Rgb Integrator::shadePlain(const PreparedInstance& instance, const Surfel& surfe
     const Vec3f origin = Vec3f(instance.objectToWorld.point(Vec3d(surfel.shadowOrigin))) + n * scene_.shadowOffset;
     Rgb sum(0.0f);
     for (std::size_t l = 0; l < scene_.lights.count(); ++l) {
-        const LightSample light = scene_.lights.sample(l, n, sampler.next2d());
-        const float cosine = dot(n, light.towards);
-        if (cosine > 0 && maxComponent(light.irradiance) > 0 && !occluded(origin, light.towards)) {
-            sum += light.irradiance * cosine;
+        const int directions = scene_.lights.isDome(l) ? kDomeDirections : 1;
+        const PixelSampler::Points u = sampler.next2dPoints(directions);
+        for (int k = 0; k < directions; ++k) {
+            const LightSample light = scene_.lights.sample(l, n, u[k]);
+            const float cosine = dot(n, light.towards);
+            if (cosine > 0 && maxComponent(light.irradiance) > 0 && !occluded(origin, light.towards)) {
+                sum += light.irradiance * (cosine / float(directions));
+            }
         }
     }
     return surfel.albedo * sum / kPi;
@@ -78,33 +86,35 @@ ShellRadiance Integrator::shadeShell(const PreparedInstance& instance, const Sur
     const Vec3f objectNormal = normalize(Vec3f(instance.worldToObject.normal(Vec3d(surfel.normal))));
     const float offset = 1e-3f * shell.grid.voxelSize();
 
-    ShellLight lights[kMaxLightsPerPath];
+    ShellLight lights[kMaxLightsPerPath * kDomeDirections];
     int count = 0;
     const std::size_t all = scene_.lights.count();
     const std::size_t chosen = std::min<std::size_t>(all, kMaxLightsPerPath);
+    const auto visible = [&](const Vec3f& point, const Vec3f& towards) {
+        return !occluded(Vec3f(instance.objectToWorld.point(Vec3d(point + objectNormal * offset))), towards);
+    };
     // Where there are more lights than a path takes: a random start, then evenly through the list.
     const float first = all > chosen ? sampler.next1d() : 0.0f;
-    for (std::size_t k = 0; k < chosen; ++k) {
-        const std::size_t l = all > chosen ? std::size_t((float(k) + first) * float(all) / float(chosen)) % all : k;
-        const LightSample light = scene_.lights.sample(l, surfel.normal, sampler.next2d());
-        const Vec2f disc = sampler.next2d();
-        if (!(maxComponent(light.irradiance) > 0)) {
-            continue;
-        }
-        const auto visible = [&](const Vec3f& point) {
-            return !occluded(Vec3f(instance.objectToWorld.point(Vec3d(point + objectNormal * offset))), light.towards);
-        };
-        const Rgb irradiance = light.irradiance * (float(all) / float(chosen));
-        ShellLight s;
-        s.towards = normalize(Vec3f(instance.worldToObject.vector(Vec3d(light.towards))));
-        const bool exact = visible(surfel.shadowOrigin);
-        const Vec3f moved = jitterOnSurface(*instance.mesh->rayMesh, surfel.shadowOrigin, objectNormal,
-                                            shell.blurRadiusMm / shell.mmPerUnit, disc);
-        const bool blurred = moved == surfel.shadowOrigin ? exact : visible(moved);
-        s.forSingle = exact ? irradiance : Rgb(0.0f);
-        s.forMultiple = blurred ? irradiance : Rgb(0.0f);
-        if (exact || blurred) {
-            lights[count++] = s;
+    for (std::size_t i = 0; i < chosen; ++i) {
+        const std::size_t l = all > chosen ? std::size_t((float(i) + first) * float(all) / float(chosen)) % all : i;
+        const int directions = scene_.lights.isDome(l) ? kDomeDirections : kDistantDirections;
+        const PixelSampler::Points u = sampler.next2dPoints(directions), disc = sampler.next2dPoints(directions);
+        for (int k = 0; k < directions; ++k) {
+            const LightSample light = scene_.lights.sample(l, surfel.normal, u[k]);
+            if (!(maxComponent(light.irradiance) > 0)) {
+                continue;
+            }
+            const Rgb irradiance = light.irradiance * (float(all) / float(chosen) / float(directions));
+            const bool exact = visible(surfel.shadowOrigin, light.towards);
+            const Vec3f moved = jitterOnSurface(*instance.mesh->rayMesh, surfel.shadowOrigin, objectNormal,
+                                                shell.blurRadiusMm / shell.mmPerUnit, disc[k]);
+            const bool blurred = moved == surfel.shadowOrigin ? exact : visible(moved, light.towards);
+            if (exact || blurred) {
+                ShellLight& s = lights[count++];
+                s.towards = normalize(Vec3f(instance.worldToObject.vector(Vec3d(light.towards))));
+                s.forSingle = exact ? irradiance : Rgb(0.0f);
+                s.forMultiple = blurred ? irradiance : Rgb(0.0f);
+            }
         }
     }
 

@@ -10,9 +10,9 @@ namespace stf {
 namespace {
 
 constexpr float kPi = 3.14159265358979f;
-constexpr int kMaxLights = 8;
+constexpr int kMaxLights = 16;
 /// Below this the rest of a ray is decided by roulette.
-constexpr float kRouletteBelow = 0.02f;
+constexpr float kRouletteBelow = 0.01f;
 
 // A step that single scattering may be taken from.
 struct Candidate {
