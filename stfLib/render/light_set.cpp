@@ -95,12 +95,12 @@ LightSet::LightSet(const std::map<std::string, Light>& lights, const MessageSink
     for (const auto& [id, light] : lights) {
         if (!light.visible || !(maxComponent(light.emission) > 0) || !isFinite(light.emission)) {
             if (!isFinite(light.emission)) {
-                report(messages, Severity::Warning, id + ": the light's intensity is not finite, it is left out");
+                report(messages, Severity::Error, id + ": the light's intensity is not finite, it is left out");
             }
             continue;
         }
         if (!light.lightToWorld.invertible()) {
-            report(messages, Severity::Warning, id + ": the light's transform is singular, it is left out");
+            report(messages, Severity::Error, id + ": the light's transform is singular, it is left out");
             continue;
         }
         Prepared p;

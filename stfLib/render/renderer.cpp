@@ -144,7 +144,7 @@ void Renderer::Impl::placeInstances(const Scene& source) {
         }
         for (const MeshInstance& i : m.instances) {
             if (!i.objectToWorld.invertible()) {
-                say(Severity::Warning, id + ": its transform is singular or not finite, it is left out");
+                say(Severity::Error, id + ": its transform is singular or not finite, it is left out");
                 continue;
             }
             PreparedInstance p;

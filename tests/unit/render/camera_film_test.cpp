@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stfLib/base/error.h"
+#include "stfLib/render/camera.h"
+#include "stfLib/render/film.h"
+
+#include <gtest/gtest.h>
+
+namespace stf::test {
+namespace {
+
+// Perspective with focal length 2, near 0.1, far 1000, camera at (3, 4, 5) far from or near the origin.
+Camera perspective(double offset) {
+    const Matrix4 view{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -3 - offset, -4, -5, 1};
+    const double n = 0.1, f = 1000;
+    const Matrix4 projection{2, 0, 0, 0, 0, 2, 0, 0, 0, 0, -(f + n) / (f - n), -1, 0, 0, -2 * f * n / (f - n), 0};
+    return Camera(view, projection);
+}
+
+TEST(Camera, RaysGoThroughTheirPixel) {
+    const Camera c = perspective(0);
+    const Ray middle = c.ray(0, 0);
+    EXPECT_NEAR(middle.direction.z, -1, 1e-6f);
+    EXPECT_NEAR(middle.origin.x, 3, 1e-5f);
+    const Ray corner = c.ray(1, -1); // tangent 1/2 to the side and down
+    EXPECT_NEAR(corner.direction.x / -corner.direction.z, 0.5f, 1e-5f);
+    EXPECT_NEAR(corner.direction.y / -corner.direction.z, -0.5f, 1e-5f);
+    const Vec3d p = Vec3d(corner.origin) + Vec3d(corner.direction) * 20.0;
+    EXPECT_NEAR(c.viewDepth(p), 5 - p.z, 1e-9);
+    EXPECT_GT(c.ndcDepth(p), 0.9);
+    EXPECT_LT(c.ndcDepth(p), 1.0);
+}
+
+TEST(Camera, FarFromTheOrigin) {
+    const Ray r = perspective(1e6).ray(0.5, 0.5);
+    EXPECT_NEAR(r.direction.x / -r.direction.z, 0.25f, 1e-5f);
+}
+
+TEST(Camera, SingularMatrixIsRefused) {
+    const Matrix4 zero{};
+    const Matrix4 identity{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    EXPECT_THROW(Camera(zero, identity), Error);
+}
+
+TEST(Film, MeanVarianceAndCounts) {
+    Film film;
+    film.resize(2, 1);
+    for (int i = 0; i < 4; ++i) {
+        PixelSample s;
+        s.color = Rgb(float(i)); // 0 1 2 3: mean 1.5, variance of the mean (5/3) / 4
+        s.alpha = 1;
+        film.add(1, 0, s);
+    }
+    const std::vector<float> color = film.read(Aov::Color), variance = film.read(Aov::Variance);
+    EXPECT_FLOAT_EQ(color[4], 1.5f);
+    EXPECT_FLOAT_EQ(color[7], 1.0f);
+    EXPECT_FLOAT_EQ(color[0], 0.0f);
+    EXPECT_NEAR(variance[3], 5.0 / 12.0, 1e-6);
+    EXPECT_FLOAT_EQ(film.read(Aov::SampleCount)[1], 4.0f);
+    EXPECT_EQ(film.readIds(Aov::PrimId)[0], -1);
+    EXPECT_FLOAT_EQ(film.read(Aov::Depth)[0], 1.0f);
+    film.clear();
+    EXPECT_FLOAT_EQ(film.read(Aov::SampleCount)[1], 0.0f);
+}
+
+TEST(Film, NamesOfAovs) {
+    Aov aov = Aov::Color;
+    for (const char* name :
+         {"color", "alpha", "depth", "cameraDepth", "normal", "Neye", "position", "albedo", "primId", "instanceId",
+          "elementId", "sampleCount", "variance", "stf:single", "stf:multiple", "stf:core"}) {
+        EXPECT_TRUE(aovFromName(name, aov)) << name;
+        EXPECT_GE(aovChannels(aov), 1);
+    }
+    EXPECT_FALSE(aovFromName("nothing", aov));
+}
+
+} // namespace
+} // namespace stf::test

@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: Apache-2.0
+// Edits redo only what they touch, and the image after an edit is that of a fresh renderer. Bad input is named, and the
+// rest of the scene renders.
+#include "stfLib/render/renderer.h"
+#include "stfLib/transport/precompute.h"
+#include "stfLib/volume/make_samples.h"
+#include "stfLib/volume/volume_io.h"
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <gtest/gtest.h>
+
+namespace stf::test {
+namespace {
+
+constexpr int kSize = 12;
+
+class SceneEdits : public ::testing::Test {
+protected:
+    void SetUp() override {
+        folder_ = std::filesystem::temp_directory_path() /
+                  (std::string("stf_edit_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
+        std::filesystem::create_directories(folder_);
+        SampleOptions o;
+        o.size = {1, 1, 4};
+        o.voxelMm = 0.5;
+        volume_ = (folder_ / "uniform.vdb").string();
+        writeBaseVolume(makeSample("uniform", o), volume_);
+        scene_.setMetersPerUnit(0.001);
+        addQuad("/shell", -6);
+        addQuad("/plain", 6);
+        StfBinding binding;
+        binding.baseVolume = volume_;
+        binding.quality = 0.1f;
+        scene_.setStf("/shell", binding);
+        light_.emission = Rgb(3.14159265f);
+        scene_.setLight("/light", light_);
+    }
+    void TearDown() override { std::filesystem::remove_all(folder_); }
+
+    // Ten by ten, its middle at x, normal +z.
+    void addQuad(const std::string& id, float x) {
+        ControlMesh m;
+        m.scheme = ControlMesh::Scheme::None;
+        m.points = {{x - 5, -5, 0}, {x + 5, -5, 0}, {x + 5, 5, 0}, {x - 5, 5, 0}};
+        m.faceVertexCounts = {4};
+        m.faceVertexIndices = {0, 1, 2, 3};
+        m.uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+        m.uvIndices = {0, 1, 2, 3};
+        m.colors = {{0.5f, 0.25f, 0.125f}};
+        scene_.setMesh(id, m, 0);
+        scene_.setInstances(id, {MeshInstance()});
+    }
+
+    TableProvider countingTables() {
+        return [this](const std::shared_ptr<const BaseVolume>& volume, const TransportOptions& options,
+                      Progress& progress, const MessageSink& messages) {
+            ++tables_;
+            return std::make_shared<const StfTable>(precompute(*volume, options, progress, messages));
+        };
+    }
+
+    std::vector<float> render(Renderer& renderer) {
+        renderer.setMessages([this](Severity severity, const std::string& text) {
+            messages_.push_back((severity == Severity::Error ? "error " : "") + text);
+        });
+        RenderSettings settings;
+        settings.samples = 4;
+        renderer.setSettings(settings);
+        const Matrix4 view{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, -50, 1};
+        const Matrix4 projection{0.08, 0, 0, 0, 0, 0.08, 0, 0, 0, 0, -0.01, 0, 0, 0, -1, 1};
+        renderer.setCamera(Camera(view, projection), kSize, kSize);
+        Progress progress;
+        renderer.prepare(scene_, progress);
+        renderer.restart();
+        while (!renderer.converged()) {
+            renderer.renderPass(progress);
+        }
+        return renderer.film().read(Aov::Color);
+    }
+
+    static Rgb pixel(const std::vector<float>& image, int x, int y) {
+        const std::size_t i = std::size_t(y * kSize + x) * 4;
+        return {image[i], image[i + 1], image[i + 2]};
+    }
+    Rgb plainPixel(const std::vector<float>& image) { return pixel(image, 9, 6); }
+    Rgb shellPixel(const std::vector<float>& image) { return pixel(image, 3, 6); }
+
+    void expectPlainRendered(const std::vector<float>& image) {
+        EXPECT_NEAR(plainPixel(image).x, 0.5f, 1e-4f); // irradiance pi on Lambert: the colour itself
+        EXPECT_NEAR(plainPixel(image).z, 0.125f, 1e-4f);
+    }
+    bool said(const std::string& a, const std::string& b) const {
+        for (const std::string& m : messages_) {
+            if (m.rfind("error ", 0) == 0 && m.find(a) != std::string::npos && m.find(b) != std::string::npos) {
+                return true;
+            }
+        }
+        return false;
+    }
+
+    std::filesystem::path folder_;
+    std::string volume_;
+    Scene scene_;
+    Light light_;
+    int tables_ = 0;
+    std::vector<std::string> messages_;
+};
+
+TEST_F(SceneEdits, LightEditKeepsTablesAndEqualsFreshRenderer) {
+    Renderer renderer(countingTables());
+    const std::vector<float> before = render(renderer);
+    expectPlainRendered(before);
+    light_.emission = Rgb(6.28318531f);
+    scene_.setLight("/light", light_);
+    const std::vector<float> after = render(renderer);
+    EXPECT_EQ(tables_, 1);
+    EXPECT_NEAR(shellPixel(after).y, 2 * shellPixel(before).y, 1e-4f * shellPixel(after).y);
+    Renderer fresh;
+    EXPECT_EQ(after, render(fresh));
+    EXPECT_TRUE(messages_.empty()) << messages_.front();
+}
+
+TEST_F(SceneEdits, TransformVisibilityAndRemovalEqualFreshRenderer) {
+    Renderer renderer(countingTables());
+    render(renderer);
+    MeshInstance moved;
+    moved.objectToWorld.translation = {1, 0.5, -2};
+    scene_.setInstances("/shell", {moved});
+    Renderer freshA;
+    EXPECT_EQ(render(renderer), render(freshA));
+    scene_.setVisible("/shell", false);
+    const std::vector<float> hidden = render(renderer);
+    EXPECT_EQ(shellPixel(hidden), Rgb(0.0f));
+    expectPlainRendered(hidden);
+    scene_.setVisible("/shell", true);
+    Renderer freshB;
+    EXPECT_EQ(render(renderer), render(freshB));
+    scene_.removeMesh("/shell");
+    EXPECT_EQ(render(renderer), hidden);
+    EXPECT_LE(tables_, 2);
+}
+
+TEST_F(SceneEdits, SettingAValueToItselfChangesNothing) {
+    const std::uint64_t version = scene_.version();
+    scene_.setLight("/light", light_);
+    scene_.setInstances("/shell", {MeshInstance()});
+    scene_.setVisible("/shell", true);
+    scene_.setStf("/plain", std::nullopt);
+    scene_.setMetersPerUnit(0.001);
+    EXPECT_EQ(scene_.version(), version);
+}
+
+TEST_F(SceneEdits, CancelThenPrepareAgain) {
+    Renderer renderer;
+    Progress cancelled;
+    cancelled.cancel();
+    EXPECT_THROW(renderer.prepare(scene_, cancelled), Cancelled);
+    expectPlainRendered(render(renderer));
+}
+
+TEST_F(SceneEdits, MissingVolume) {
+    StfBinding binding;
+    binding.authoredPath = "./nowhere.vdb";
+    scene_.setStf("/shell", binding);
+    Renderer renderer;
+    const std::vector<float> image = render(renderer);
+    expectPlainRendered(image);
+    EXPECT_NEAR(shellPixel(image).x, 0.5f, 1e-4f) << "drawn with its displayColor";
+    EXPECT_TRUE(said("/shell", "nowhere.vdb"));
+    render(renderer);
+    EXPECT_EQ(messages_.size(), 1u) << "once, not per frame";
+}
+
+TEST_F(SceneEdits, CorruptVolume) {
+    const std::string path = (folder_ / "corrupt.vdb").string();
+    std::ofstream(path) << "this is not a volume";
+    StfBinding binding;
+    binding.baseVolume = path;
+    scene_.setStf("/shell", binding);
+    Renderer renderer;
+    expectPlainRendered(render(renderer));
+    EXPECT_TRUE(said("/shell", "corrupt.vdb"));
+}
+
+TEST_F(SceneEdits, NegativeScaleAndMissingUv) {
+    StfBinding binding;
+    binding.baseVolume = volume_;
+    binding.scale = -1;
+    scene_.setStf("/shell", binding);
+    Renderer renderer;
+    expectPlainRendered(render(renderer));
+    EXPECT_TRUE(said("/shell", "stf:scale"));
+
+    binding.scale = 1;
+    scene_.setStf("/shell", binding);
+    ControlMesh m = *scene_.meshes().at("/shell").mesh;
+    m.uvs.clear();
+    m.uvIndices.clear();
+    scene_.setMesh("/shell", m, 0);
+    expectPlainRendered(render(renderer));
+    EXPECT_TRUE(said("/shell", "texture coordinates"));
+}
+
+TEST_F(SceneEdits, BadMeshesAndTransforms) {
+    ControlMesh m = *scene_.meshes().at("/shell").mesh;
+    m.points[2].x = std::nanf("");
+    scene_.setMesh("/shell", m, 0);
+    Renderer renderer;
+    expectPlainRendered(render(renderer));
+    EXPECT_TRUE(said("/shell", "no usable face"));
+
+    addQuad("/shell", -6);
+    MeshInstance singular;
+    singular.objectToWorld.y = {0, 0, 0};
+    scene_.setInstances("/shell", {singular});
+    expectPlainRendered(render(renderer));
+    EXPECT_TRUE(said("/shell", "singular"));
+}
+
+} // namespace
+} // namespace stf::test
