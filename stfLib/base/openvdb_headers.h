@@ -10,6 +10,7 @@
 #pragma GCC visibility push(default)
 #endif
 #include <openvdb/io/File.h>
+#include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Dense.h>
 #include <openvdb/tree/ValueAccessor.h>

@@ -4,6 +4,7 @@
 #include "stfLib/base/error.h"
 
 #include <filesystem>
+#include <fstream>
 #include <mutex>
 #include <unistd.h>
 
@@ -86,11 +87,15 @@ VdbFile readVdb(const std::string& path) {
         throw Error(path + ": no such file");
     }
     try {
-        openvdb::io::File file(path);
-        file.open(false); // no delayed loading: a damaged file must fail here
+        // OpenVDB trusts the lengths in a file; a stream that throws at its end stops it where a file was cut off,
+        // before it allocates what was never read. Nothing is loaded later: a damaged file must fail here.
+        std::ifstream in;
+        in.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
+        in.open(path, std::ios::binary);
+        openvdb::io::Stream stream(in, false);
         VdbFile result;
-        result.grids = *file.getGrids();
-        result.metadata = *file.getMetadata();
+        result.grids = *stream.getGrids();
+        result.metadata = *stream.getMetadata();
         return result;
     } catch (const std::exception& e) {
         throw Error(path + ": not a readable OpenVDB file (" + e.what() + ")");
