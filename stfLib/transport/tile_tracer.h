@@ -20,8 +20,8 @@ public:
     template<class Visit>
     float traverse(const Vec3f& position, const Vec3f& direction, float tMax, Visit&& visit) const {
         constexpr float kInf = std::numeric_limits<float>::infinity();
-        int v[3], step[3];
-        float tNext[3], tDelta[3];
+        int v[3], step[3], crossed[3] = {0, 0, 0};
+        float tFirst[3], tNext[3], tDelta[3];
         for (int a = 0; a < 3; ++a) {
             const float p = position[a], d = direction[a];
             float cell = std::floor(p);
@@ -33,9 +33,9 @@ public:
             step[a] = d > 0 ? 1 : -1;
             if (std::abs(d) > 1e-20f) {
                 tDelta[a] = 1 / std::abs(d);
-                tNext[a] = ((d > 0 ? cell + 1 : cell) - p) / d;
+                tFirst[a] = tNext[a] = ((d > 0 ? cell + 1 : cell) - p) / d;
             } else {
-                tDelta[a] = tNext[a] = kInf;
+                tDelta[a] = tFirst[a] = tNext[a] = kInf;
             }
         }
         v[0] = wrap(v[0], size_.x);
@@ -55,7 +55,8 @@ public:
                 return tMax;
             }
             v[a] += step[a];
-            tNext[a] += tDelta[a];
+            // Not by repeated addition: far along a ray a step would vanish in rounding, and the loop never end.
+            tNext[a] = tFirst[a] + tDelta[a] * float(++crossed[a]);
             if (a != 2) {
                 v[a] = v[a] < 0 ? size_[a] - 1 : v[a] >= size_[a] ? 0 : v[a];
             }

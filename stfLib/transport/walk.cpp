@@ -84,8 +84,8 @@ void WalkMedium::walkChannels(const WalkSource& source, std::uint64_t seed, std:
     const Vec3f perMm{float(1 / voxelMm_.x), float(1 / voxelMm_.y), float(1 / voxelMm_.z)};
     const Vec3f sizeF(size_);
     const std::vector<float>& extinction = extinction_[channel];
-    // A flight this long has crossed the tile's depth a million times: it is parallel to the layers, in a void.
-    const float endless = 1e6f * float(std::max(voxelMm_.z * size_.z, voxelMm_.x * size_.x));
+    // A flight this long has crossed the tile a hundred thousand times: it is parallel to the layers, in a void.
+    const float endless = 1e5f * float(std::max(voxelMm_.z * size_.z, voxelMm_.x * size_.x));
     const bool fromBelow = source.kind == WalkSource::Kind::DiffuseBelow;
 
     for (std::uint64_t photon = first; photon < first + count; ++photon) {
@@ -212,7 +212,7 @@ Rgb WalkMedium::opticalDepth(const Vec3f& position, const Vec3f& towardsLight) c
     Rgb depth(0.0f);
     const Vec3f d{float(towardsLight.x / voxelMm_.x), float(towardsLight.y / voxelMm_.y),
                   float(-towardsLight.z / voxelMm_.z)};
-    const float endless = 1e6f * float(voxelMm_.z * size_.z);
+    const float endless = 1e5f * float(voxelMm_.z * size_.z);
     TileTracer(size_).traverse(position, d, endless, [&](int index, int, int, int, float t0, float t1) {
         for (int c = 0; c < 3; ++c) {
             depth[c] += extinction_[grey_ ? 0 : c][std::size_t(index)] * (t1 - t0);
