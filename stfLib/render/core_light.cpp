@@ -5,6 +5,7 @@
 #include "stfLib/base/sampler.h"
 #include "stfLib/core/core_solver.h"
 #include "stfLib/render/shell_march.h"
+#include "stfLib/transport/lateral_filter.h"
 #include "stfLib/transport/tile_tracer.h"
 
 #include <numeric>
@@ -58,6 +59,44 @@ T blend(const std::vector<T>& values, const Vec3i& t, float b1, float b2) {
     return values[std::size_t(t.x)] * (1 - b1 - b2) + values[std::size_t(t.y)] * b1 + values[std::size_t(t.z)] * b2;
 }
 
+// What the shell lets through and sends back, by column, blurred to the size of a core sample: one column's value holds
+// only the few walks that left there, and the core mixes them anyway.
+struct ColumnMaps {
+    std::vector<Rgb> reflected;                        ///< [column], below 1 so that the balance converges
+    std::vector<std::vector<Rgb>> transmitted, direct; ///< [direction][column]
+
+    ColumnMaps(const StfTable& table, double sigmaMm) : reflected(table.reflectedBelow) {
+        const LateralFilter filter(table.size, table.voxelMm, sigmaMm);
+        filter.apply(reflected);
+        for (Rgb& r : reflected) {
+            for (int c = 0; c < 3; ++c) {
+                r[c] = std::clamp(r[c], 0.0f, 0.9999f);
+            }
+        }
+        const auto slices = [&](const std::vector<float>& values) {
+            const std::size_t n = std::size_t(table.directions.count());
+            std::vector<std::vector<Rgb>> maps(n, std::vector<Rgb>(reflected.size()));
+            for (std::size_t i = 0; i < reflected.size() * n; ++i) {
+                maps[i % n][i / n] = {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
+            }
+            for (std::vector<Rgb>& map : maps) {
+                filter.apply(map);
+            }
+            return maps;
+        };
+        transmitted = slices(table.transmitted);
+        direct = slices(table.direct);
+    }
+
+    static Rgb blend(const std::vector<std::vector<Rgb>>& maps, std::size_t column, const DirectionWeights& w) {
+        Rgb sum(0.0f);
+        for (int i = 0; i < w.count; ++i) {
+            sum += maps[std::size_t(w.index[i])][column] * w.weight[i];
+        }
+        return sum;
+    }
+};
+
 // The frame of the exemplar at a point of a triangle.
 ShellLookup frameAt(const ShellObject& o, std::size_t triangle, float b1, float b2) {
     const std::size_t corner = 3 * triangle;
@@ -108,6 +147,7 @@ std::vector<Rgb> coreRadiance(const ShellObject& o, const Transform& objectToWor
         return std::vector<Rgb>(points, Rgb(0.0f));
     }
 
+    const ColumnMaps maps(*o.table, 0.5 * std::sqrt(areaMm2 / double(count)));
     CoreSamples s;
     s.positions.resize(count);
     s.areas.assign(count, float(areaMm2 / double(count)));
@@ -129,7 +169,7 @@ std::vector<Rgb> coreRadiance(const ShellObject& o, const Transform& objectToWor
             const int ix = TileTracer::wrap(int(std::floor(frame.exemplar.x / float(o.volume->voxelMm.x))), size.x);
             const int iy = TileTracer::wrap(int(std::floor(frame.exemplar.y / float(o.volume->voxelMm.y))), size.y);
             const std::size_t column = std::size_t(ix) + std::size_t(size.x) * std::size_t(iy);
-            s.shellReflectance[i] = o.table->reflectedBelow[column];
+            s.shellReflectance[i] = maps.reflected[column];
 
             const Vec3f worldNormal = normalize(Vec3f(objectToWorld.normal(Vec3d(frame.normal))));
             for (std::size_t l = 0; l < lights.count(); ++l) {
@@ -152,7 +192,8 @@ std::vector<Rgb> coreRadiance(const ShellObject& o, const Transform& objectToWor
                         continue;
                     }
                     const DirectionWeights w = o.table->directions.weights(local);
-                    const Rgb all = o.table->transmittedAt(column, w), direct = o.table->directAt(column, w);
+                    const Rgb all = ColumnMaps::blend(maps.transmitted, column, w);
+                    const Rgb direct = ColumnMaps::blend(maps.direct, column, w);
                     const Rgb in = light.irradiance / float(n);
                     s.diffuse[i] += in * (all - direct);
                     for (int c = 0; c < 3; ++c) {

@@ -51,6 +51,9 @@ LateralFilter::LateralFilter(const BaseVolume& v) : size_(v.size) {
     kernelY_ = gaussian(std::min(kWidestVoxels, meanFreePath / v.voxelMm.y), size_.y);
 }
 
+LateralFilter::LateralFilter(const Vec3i& size, const Vec3d& voxelMm, double sigmaMm)
+    : size_(size), kernelX_(gaussian(sigmaMm / voxelMm.x, size.x)), kernelY_(gaussian(sigmaMm / voxelMm.y, size.y)) {}
+
 void LateralFilter::apply(std::vector<Rgb>& values) const {
     const auto pass = [&](const std::vector<float>& kernel, int length, std::size_t stride, std::size_t start,
                           std::vector<Rgb>& line) {
@@ -68,7 +71,7 @@ void LateralFilter::apply(std::vector<Rgb>& values) const {
             values[start + stride * std::size_t(i)] = line[std::size_t(i)];
         }
     };
-    const std::size_t nx = std::size_t(size_.x), ny = std::size_t(size_.y), nz = std::size_t(size_.z);
+    const std::size_t nx = std::size_t(size_.x), ny = std::size_t(size_.y), nz = values.size() / (nx * ny);
     std::vector<Rgb> line;
     for (std::size_t z = 0; z < nz; ++z) {
         for (std::size_t y = 0; y < ny && kernelX_.size() > 1; ++y) {
