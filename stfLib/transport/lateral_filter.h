@@ -10,7 +10,7 @@ namespace stf {
 
 /// A Gaussian over x and y of a periodic tile, against the noise of walks. Fluence cannot change faster than over a
 /// mean free path, so the width is one transport mean free path, at most 1.5 voxels: noise falls by `noiseGain`, and
-/// the bias stays below it (bench/table_filter.py measures both). Depth is not filtered: fluence bends at the surface.
+/// the bias stays below it (bench/table_filter.cpp measures both). Depth is not filtered: fluence bends at the surface.
 class LateralFilter {
 public:
     explicit LateralFilter(const BaseVolume& volume);

@@ -112,7 +112,7 @@ Rgb directThroughColumn(const WalkMedium& medium, int x, int y, const Vec3f& tow
 std::string TransportOptions::key() const {
     std::ostringstream s;
     s << "classic;v" << kAlgorithm << ";q" << quality << ";s" << seed << ";n" << maxPhotons << ";p" << polars << ";a"
-      << azimuths;
+      << azimuths << (filter ? "" : ";unfiltered");
     return s.str();
 }
 
@@ -150,7 +150,7 @@ StfTable precompute(const BaseVolume& input, const TransportOptions& options, Pr
         scatters = scatters || maxComponent(volume.albedo[i] * volume.extinction[i]) > 0;
     }
 
-    const LateralFilter filter(volume);
+    const LateralFilter filter = options.filter ? LateralFilter(volume) : LateralFilter(volume.size, volume.voxelMm, 0);
     // A tile with more columns needs more photons for the same noise. The count is raised until the target is met; the
     // first direction decides for all. The renderer's lookup averages over about 8 voxels, worth a factor of 2.
     const double target = 2.0 * double(options.quality);

@@ -14,6 +14,7 @@ struct TransportOptions {
         1'500'000;    ///< per direction and channel; reported where it keeps the noise above the target
     int polars = 7;   ///< polar nodes below 90 degrees
     int azimuths = 0; ///< 0: six where there is relief, else one (averaged over azimuth)
+    bool filter = true; ///< lateral filter against noise; off to measure its bias
 
     /// Names these options and the version of the algorithm; with the volume's hash, the key of a cached table.
     std::string key() const;
