@@ -76,6 +76,22 @@ TEST(WalkSlab, VanDeHulst) {
     expectCase(slab(2, 0.9, 0.75), normalLight(), 0.0973946, 0.6609577, std::exp(-2), 4000, "tau 2, g 0.75");
 }
 
+// Low albedos live by the roulette. Half infinite to 1e-9; mu = 1 is the last of the table.
+TEST(WalkSlab, LowAlbedosAgainstTheHFunction) {
+    const nlohmann::json data = reference("hfunc.json");
+    for (const char* albedo : {"0.1", "0.2", "0.3", "0.5"}) {
+        const auto& row = data["table"][albedo];
+        const WalkMedium medium(slab(30, std::stod(albedo), 0));
+        const auto r = [](const WalkTally& b) { return reflectance(b); };
+        EXPECT_TRUE(agrees(estimate(walkBatches(medium, normalLight(), 64, 16000), r),
+                           row["R_plane"].back().get<double>(), 0.004))
+            << albedo;
+        EXPECT_TRUE(agrees(estimate(walkBatches(medium, diffuse(WalkSource::Kind::DiffuseTop), 64, 16000), r),
+                           row["R_sph"].get<double>(), 0.004))
+            << albedo;
+    }
+}
+
 TEST(WalkSlab, ConservativeMedium) {
     expectCase(slab(1, 1, 0), normalLight(), 0.341329, 0.658671, std::exp(-1), 4000, "normal");
     expectCase(slab(1, 1, 0), diffuse(WalkSource::Kind::DiffuseTop), 0.446594, 0.553406, 2 * expIntegral(3, 1), 4000,
