@@ -34,8 +34,7 @@ inline BaseVolume varied(const Vec3i& size, std::uint64_t seed = 1) {
         for (int y = 0; y < size.y; ++y) {
             for (int x = 0; x < size.x; ++x) {
                 const std::size_t i = v.index(x, y, z);
-                const bool border =
-                    x == 0 || y == 0 || z == 0 || x == size.x - 1 || y == size.y - 1 || z == size.z - 1;
+                const bool border = x == 0 || y == 0 || z == 0 || x == size.x - 1 || y == size.y - 1 || z == size.z - 1;
                 v.extinction[i] = border ? Rgb(0.0f) : rgb() * 10.0f;
                 v.albedo[i] = border ? Rgb(0.0f) : rgb();
                 v.g[i] = border ? 0.0f : 1.8f * rng.uniform() - 0.9f;
