@@ -3,6 +3,7 @@
 
 #include "stfLib/transport/precompute.h"
 
+#include <atomic>
 #include <cstdlib>
 #include <filesystem>
 
@@ -27,8 +28,9 @@ fs::path defaultFolder() {
 
 TableProvider cachedTables(std::string folder) {
     const fs::path tables = (folder.empty() ? defaultFolder() : fs::path(folder)) / "tables";
-    return [tables](const std::shared_ptr<const BaseVolume>& volume, const TransportOptions& options,
-                    Progress& progress, const MessageSink& messages) -> std::shared_ptr<const StfTable> {
+    const auto reported = std::make_shared<std::atomic<bool>>(false);
+    return [tables, reported](const std::shared_ptr<const BaseVolume>& volume, const TransportOptions& options,
+                              Progress& progress, const MessageSink& messages) -> std::shared_ptr<const StfTable> {
         const std::string key = volume->contentHash() + ";" + options.key();
         // The key's own text is in the file; its hash only names it.
         const fs::path file = tables / (contentHashOf(key) + ".vdb");
@@ -44,7 +46,9 @@ TableProvider cachedTables(std::string folder) {
         try {
             writeTable(*table, key, file.string());
         } catch (const std::exception& e) {
-            report(messages, Severity::Warning, std::string("the table is not kept: ") + e.what());
+            if (!reported->exchange(true)) {
+                report(messages, Severity::Warning, std::string("tables are not kept: ") + e.what());
+            }
         }
         return table;
     };

@@ -52,6 +52,7 @@ Integrator::Surfel Integrator::surfelAt(const PreparedInstance& instance, const 
     Surfel out;
     out.point = ray.origin + ray.direction * hit.t;
     out.normal = normalize(Vec3f(instance.objectToWorld.normal(Vec3d(normal))));
+    out.objectPoint = p;
     out.shadowOrigin = lifted;
     out.albedo = s.colors.empty() ? kDefaultColor : blend(s.colors, t, hit.u, hit.v);
     return out;
@@ -77,9 +78,8 @@ Rgb Integrator::shadePlain(const PreparedInstance& instance, const Surfel& surfe
 }
 
 ShellRadiance Integrator::shadeShell(const PreparedInstance& instance, const Surfel& surfel, const Ray& ray,
-                                     const RayHit& hit, PixelSampler& sampler) {
+                                     PixelSampler& sampler) {
     const ShellObject& shell = *instance.mesh->shell;
-    const Vec3f origin(instance.worldToObject.point(Vec3d(ray.origin)));
     const Vec3f scaled(instance.worldToObject.vector(Vec3d(ray.direction)));
     const float scale = length(scaled);
     const Vec3f direction = scaled / scale;
@@ -123,7 +123,7 @@ ShellRadiance Integrator::shadeShell(const PreparedInstance& instance, const Sur
         march = std::make_unique<ShellMarch>(shell, instance.core.empty() ? nullptr : instance.core.data());
     }
     ++rays_;
-    ShellRadiance r = march->march(origin, direction, hit.t * scale, lights, count, sampler);
+    ShellRadiance r = march->march(surfel.objectPoint, direction, lights, count, sampler);
     r.tExit /= scale;
     return r;
 }
@@ -153,7 +153,7 @@ PixelSample Integrator::sample(Ray ray, PixelSampler& sampler) {
             ray.tNear = hit.t * (1 + 1e-6f) + scene_.shadowOffset;
             continue;
         }
-        const ShellRadiance r = shadeShell(instance, surfel, ray, hit, sampler);
+        const ShellRadiance r = shadeShell(instance, surfel, ray, sampler);
         const Rgb single = throughput * r.single, multiple = throughput * r.multiple, core = throughput * r.core;
         out.single += single;
         out.multiple += multiple;
@@ -165,7 +165,7 @@ PixelSample Integrator::sample(Ray ray, PixelSampler& sampler) {
         if (!(maxComponent(throughput) > 0)) {
             return out;
         }
-        ray.tNear = std::max(r.tExit, hit.t) * (1 + 1e-6f) + scene_.shadowOffset;
+        ray.tNear = (hit.t + r.tExit) * (1 + 1e-6f) + scene_.shadowOffset;
     }
     return out;
 }

@@ -23,13 +23,15 @@ public:
 private:
     struct Surfel {
         Vec3f point, normal; ///< world; normal of the smooth surface, turned to no side
+        Vec3f objectPoint;   ///< on the triangle: exact however far the camera is
         Vec3f shadowOrigin;  ///< object space, lifted to the smooth surface
         Rgb albedo;
     };
     Surfel surfelAt(const PreparedInstance& instance, const Ray& ray, const RayHit& hit) const;
     Rgb shadePlain(const PreparedInstance& instance, const Surfel& surfel, const Vec3f& direction,
                    PixelSampler& sampler);
-    ShellRadiance shadeShell(const PreparedInstance& instance, const Surfel& surfel, const Ray& ray, const RayHit& hit,
+    /// `tExit` of the result is the distance from the entry, along the ray.
+    ShellRadiance shadeShell(const PreparedInstance& instance, const Surfel& surfel, const Ray& ray,
                              PixelSampler& sampler);
     bool occluded(const Vec3f& origin, const Vec3f& direction);
 

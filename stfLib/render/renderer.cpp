@@ -229,6 +229,9 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
     s.scenePlan.push_back(
         {"scene", "lights", s.scene->lights.count() > 0,
          std::to_string(s.scene->lights.count()) + " of " + std::to_string(source.lights().size()) + " give light", 0});
+    if (s.scene->lights.count() == 0) {
+        s.say(Severity::Warning, "the scene has no light that hdStf knows: what is drawn is black");
+    }
     s.placeInstances(source);
 
     // The core depends on lights and on whatever throws shadows: any edit of those solves it again, the camera does

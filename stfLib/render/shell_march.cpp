@@ -36,8 +36,8 @@ Vec3f toTileFrame(const ShellLookup& at, const Vec3f& d) {
     return {dot(d, t), dot(d, b), dot(d, n)};
 }
 
-ShellRadiance ShellMarch::march(const Vec3f& origin, const Vec3f& direction, float tEnter, const ShellLight* lights,
-                                int lightCount, PixelSampler& sampler) {
+ShellRadiance ShellMarch::march(const Vec3f& entry, const Vec3f& direction, const ShellLight* lights, int lightCount,
+                                PixelSampler& sampler) {
     const ShellObject& o = object_;
     const Vec3i size = o.volume->size, tableSize = o.table->size;
     const Vec3f perMm{float(1 / o.volume->voxelMm.x), float(1 / o.volume->voxelMm.y), float(1 / o.volume->voxelMm.z)};
@@ -56,15 +56,12 @@ ShellRadiance ShellMarch::march(const Vec3f& origin, const Vec3f& direction, flo
     ShellRadiance result;
     // Where the shell ends: at the core or back through the surface.
     Ray ray;
-    ray.origin = origin;
+    ray.origin = entry;
     ray.direction = direction;
-    ray.tNear = tEnter + 1e-3f * step;
+    ray.tNear = 1e-3f * step;
     RayHit end;
     const bool bounded = o.rayMesh->intersect(ray, end, 3);
-    float tEnd = bounded ? end.t : tEnter + 4 * o.thicknessMm / o.mmPerUnit;
-    if (!bounded && !(tEnd > tEnter)) {
-        tEnd = tEnter;
-    }
+    const float tEnd = bounded ? end.t : 4 * o.thicknessMm / o.mmPerUnit; // an open surface has no other side
     result.tExit = tEnd;
 
     Rgb transmittance(1.0f), multiple(0.0f);
@@ -74,9 +71,9 @@ ShellRadiance ShellMarch::march(const Vec3f& origin, const Vec3f& direction, flo
     bool known = false, ended = false;
     DirectionWeights weights[kMaxLights];
 
-    for (float t0 = tEnter; t0 < tEnd && !ended; t0 += step) {
+    for (float t0 = 0; t0 < tEnd && !ended; t0 += step) {
         const float t1 = std::min(t0 + step, tEnd), middle = 0.5f * (t0 + t1);
-        const Vec3f point = origin + direction * middle;
+        const Vec3f point = entry + direction * middle;
         ShellLookup found;
         if (accessor_.lookup(point, found, core_)) {
             at = found;

@@ -17,7 +17,7 @@ struct ShellLight {
 struct ShellRadiance {
     Rgb single{0.0f}, multiple{0.0f}, core{0.0f};
     Rgb transmittance{1.0f}; ///< of the way to `tExit`; zero where the ray ended in the core
-    float tExit = 0;         ///< object units along the ray
+    float tExit = 0;         ///< object units from the entry
     bool reachedCore = false;
 };
 
@@ -31,9 +31,10 @@ public:
     ShellMarch(const ShellObject& object, const Rgb* coreRadiancePerSample)
         : object_(object), accessor_(object.grid), core_(coreRadiancePerSample) {}
 
-    /// `direction` is unit, object space; the ray enters through the surface at `tEnter`.
-    ShellRadiance march(const Vec3f& origin, const Vec3f& direction, float tEnter, const ShellLight* lights,
-                        int lightCount, PixelSampler& sampler);
+    /// `entry` lies on the surface, `direction` is unit and goes inward; both object space. Distances count from the
+    /// entry, so that a far camera costs no precision.
+    ShellRadiance march(const Vec3f& entry, const Vec3f& direction, const ShellLight* lights, int lightCount,
+                        PixelSampler& sampler);
 
     /// What the shell looks like at a point: frame and exemplar coordinate.
     bool lookup(const Vec3f& point, ShellLookup& out) { return accessor_.lookup(point, out, core_); }

@@ -101,7 +101,7 @@ double waxHeight(double u, double w) {
     const double dome = smoothStep(-0.75, 1.25, cu + cw);
     const double ring = std::exp(-std::pow((cu + cw - 0.55) / 0.22, 2));
     const double stud = smoothStep(1.15, 1.8, -(cu + cw));
-    return std::clamp(0.55 * dome + 0.30 * ring + 0.65 * stud, 0.0, 1.0);
+    return std::clamp((0.55 * dome + 0.30 * ring + 0.65 * stud) / 0.70, 0.0, 1.0); // its highest point is 0.70
 }
 
 BaseVolume makeWax(const SampleOptions& options) {
@@ -129,7 +129,8 @@ BaseVolume makeWax(const SampleOptions& options) {
                 filled += std::clamp((mm.z + 0.5 * v.voxelMm.z - d) / v.voxelMm.z, 0.0, 1.0) / (n * n);
             }
         }
-        setMedium(v, i, sigmaA, extinction, filled < 1e-4 ? 0.0 : filled);
+        const bool outside = filled < 1e-4 || double(v.surface[i]) > 0.5 * v.voxelMm.z; // as the reader sees it
+        setMedium(v, i, sigmaA, extinction, outside ? 0.0 : filled);
     });
     v.coreSigmaA = sigmaA;
     v.coreSigmaSPrime = Vec3d(extinction) - sigmaA;
