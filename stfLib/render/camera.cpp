@@ -76,10 +76,10 @@ Camera::Camera(const Matrix4& worldToView, const Matrix4& projection)
       // Inverted one by one: the product of both loses digits where the camera is far from the origin.
       ndcToWorld_(multiply(invert(projection), invert(worldToView))) {}
 
-Ray Camera::ray(double x, double y) const {
+Ray Camera::ray(double x, double y, const Vec3d& origin) const {
     const Vec3d near = project(ndcToWorld_, {x, y, -1}), far = project(ndcToWorld_, {x, y, 1});
     Ray r;
-    r.origin = Vec3f(near);
+    r.origin = Vec3f(near - origin);
     r.direction = Vec3f(normalize(far - near));
     return r;
 }

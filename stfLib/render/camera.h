@@ -19,9 +19,9 @@ public:
     /// Throws Error if a matrix is singular or not finite.
     Camera(const Matrix4& worldToView, const Matrix4& projection);
 
-    /// Ray through normalised device coordinates (-1..1, y up), world space, unit direction, starting on the near
-    /// plane.
-    Ray ray(double ndcX, double ndcY) const;
+    /// Ray through normalised device coordinates (-1..1, y up), unit direction, starting on the near plane; world space
+    /// relative to `origin`, which keeps its digits where the scene is far from the world's own.
+    Ray ray(double ndcX, double ndcY, const Vec3d& origin = Vec3d(0.0)) const;
     /// Normalised device depth -1..1 of a world point, and its distance along the view axis.
     double ndcDepth(const Vec3d& world) const;
     double viewDepth(const Vec3d& world) const;

@@ -127,7 +127,7 @@ Vec3f jitterOnSurface(const RayMesh& mesh, const Vec3f& point, const Vec3f& norm
 }
 
 std::vector<Rgb> coreRadiance(const ShellObject& o, const Transform& objectToWorld, const RayScene& scene,
-                              const LightSet& lights, std::uint64_t seed, Progress& progress) {
+                              const LightSet& lights, float rounding, std::uint64_t seed, Progress& progress) {
     const std::size_t points = o.surface.points.size();
     // Samples about half a diffusion length apart, as far as a direct sum allows.
     double diffusionLength = 1e30;
@@ -186,7 +186,8 @@ std::vector<Rgb> coreRadiance(const ShellObject& o, const Transform& objectToWor
                     const Vec3f start =
                         jitterOnSurface(*o.rayMesh, outer, frame.normal, o.blurRadiusMm / o.mmPerUnit, v);
                     Ray shadow;
-                    shadow.origin = Vec3f(objectToWorld.point(Vec3d(start + frame.normal * offset)));
+                    shadow.origin =
+                        Vec3f(objectToWorld.point(Vec3d(start + frame.normal * offset))) + worldNormal * rounding;
                     shadow.direction = light.towards;
                     if (scene.occluded(shadow)) {
                         continue;

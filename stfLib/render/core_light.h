@@ -10,9 +10,9 @@ namespace stf {
 /// Radiance that leaves the core of one instance (B / pi, tile units cancel), per point of its surface: lights shine
 /// through the shell onto samples of the inner boundary, the core's balance is solved there, and the exitance gathered
 /// at the points. Depends on lights, geometry and the instance's place, not on the camera. Deterministic.
-/// Throws Cancelled.
+/// `rounding`: world units that shadow rays are lifted by. Throws Cancelled.
 std::vector<Rgb> coreRadiance(const ShellObject& object, const Transform& objectToWorld, const RayScene& scene,
-                              const LightSet& lights, std::uint64_t seed, Progress& progress);
+                              const LightSet& lights, float rounding, std::uint64_t seed, Progress& progress);
 
 /// A point of the surface moved by a random step of at most `radius` (object units) within the tangent plane and put
 /// back onto the surface; the point itself where the step leaves it. Visibility for multiple scattering starts there.

@@ -91,7 +91,8 @@ ShellRadiance Integrator::shadeShell(const PreparedInstance& instance, const Sur
     const std::size_t all = scene_.lights.count();
     const std::size_t chosen = std::min<std::size_t>(all, kMaxLightsPerPath);
     const auto visible = [&](const Vec3f& point, const Vec3f& towards) {
-        return !occluded(Vec3f(instance.objectToWorld.point(Vec3d(point + objectNormal * offset))), towards);
+        const Vec3f lifted(instance.objectToWorld.point(Vec3d(point + objectNormal * offset)));
+        return !occluded(lifted + surfel.normal * scene_.rounding, towards);
     };
     // Where there are more lights than a path takes: a random start, then evenly through the list.
     const float first = all > chosen ? sampler.next1d() : 0.0f;
@@ -179,18 +180,18 @@ PixelHit Integrator::firstHit(const Ray& ray, const Camera& camera) {
     }
     const PreparedInstance& instance = scene_.instances[hit.instance];
     const Surfel s = surfelAt(instance, ray, hit);
-    const Vec3d p(s.point);
+    const Vec3d p = Vec3d(s.point) + scene_.origin;
     out.depth = float(0.5 * camera.ndcDepth(p) + 0.5);
     out.cameraDepth = float(camera.viewDepth(p));
     out.normal = s.normal;
     out.neye = camera.viewNormal(s.normal);
-    out.position = s.point;
+    out.position = Vec3f(p);
     out.albedo = s.albedo;
     if (const ShellObject* shell = instance.mesh->shell.get()) {
         // The albedo of the first voxel with material, straight down from where the ray enters.
         ShellGrid::Accessor accessor(shell->grid);
         ShellLookup at;
-        if (accessor.lookup(Vec3f(instance.worldToObject.point(p)), at)) {
+        if (accessor.lookup(s.objectPoint, at)) {
             const BaseVolume& v = *shell->volume;
             const int x = TileTracer::wrap(int(std::floor(at.exemplar.x / float(v.voxelMm.x))), v.size.x);
             const int y = TileTracer::wrap(int(std::floor(at.exemplar.y / float(v.voxelMm.y))), v.size.y);

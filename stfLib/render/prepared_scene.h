@@ -19,7 +19,7 @@ struct PreparedMesh {
 
 struct PreparedInstance {
     std::shared_ptr<const PreparedMesh> mesh;
-    Transform objectToWorld, worldToObject;
+    Transform objectToWorld, worldToObject; ///< world relative to the scene's origin
     std::int32_t primId = -1, instanceId = -1;
     std::vector<Rgb> core; ///< radiance leaving the core, per sample of the shell's grid; empty for a black one
 };
@@ -29,7 +29,9 @@ struct PreparedScene {
     std::vector<PreparedInstance> instances;
     std::unique_ptr<const RayScene> rays;
     LightSet lights;
+    Vec3d origin{0, 0, 0};      ///< the scene's middle: everything here is relative to it, in single precision
     float shadowOffset = 1e-5f; ///< world units, for rays that leave a plain surface
+    float rounding = 0;         ///< world units: what a position may be off by its representation
     Rgb clearColor{0.0f};
     float clearAlpha = 0;
 };

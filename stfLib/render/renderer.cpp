@@ -137,6 +137,23 @@ void Renderer::Impl::prepareMesh(const std::string& id, const SceneMesh& m, doub
 void Renderer::Impl::placeInstances(const Scene& source) {
     std::vector<RayInstance> rays;
     scene->instances.clear();
+    // The middle of the scene, in double precision.
+    Vec3d low(1e300), high(-1e300);
+    for (const auto& [id, m] : source.meshes()) {
+        const auto it = kept.find(id);
+        if (!m.visible || it == kept.end() || !it->second.mesh) {
+            continue;
+        }
+        const Box3f& box = it->second.mesh->surface->bounds;
+        for (const MeshInstance& i : m.instances) {
+            const Vec3d p = i.objectToWorld.point((Vec3d(box.lo) + Vec3d(box.hi)) * 0.5);
+            for (int a = 0; a < 3 && isFinite(p); ++a) {
+                low[a] = std::min(low[a], p[a]);
+                high[a] = std::max(high[a], p[a]);
+            }
+        }
+    }
+    scene->origin = low.x <= high.x ? (low + high) * 0.5 : Vec3d(0.0);
     for (const auto& [id, m] : source.meshes()) {
         const auto it = kept.find(id);
         if (!m.visible || it == kept.end() || !it->second.mesh) {
@@ -150,12 +167,13 @@ void Renderer::Impl::placeInstances(const Scene& source) {
             PreparedInstance p;
             p.mesh = it->second.mesh;
             p.objectToWorld = i.objectToWorld;
-            p.worldToObject = i.objectToWorld.inverse();
+            p.objectToWorld.translation -= scene->origin;
+            p.worldToObject = p.objectToWorld.inverse();
             p.primId = m.primId;
             p.instanceId = i.instanceId;
             RayInstance r;
             r.mesh = p.mesh->rayMesh;
-            r.objectToWorld = i.objectToWorld;
+            r.objectToWorld = p.objectToWorld;
             r.id = std::uint32_t(scene->instances.size());
             rays.push_back(r);
             scene->instances.push_back(std::move(p));
@@ -167,7 +185,8 @@ void Renderer::Impl::placeInstances(const Scene& source) {
                                        : std::max(std::max(std::abs(box.lo.x), std::abs(box.hi.x)),
                                                   std::max(std::max(std::abs(box.lo.y), std::abs(box.hi.y)),
                                                            std::max(std::abs(box.lo.z), std::abs(box.hi.z))));
-    scene->shadowOffset = 1e-5f * box.diagonal() + 1e-6f * farthest;
+    scene->rounding = 5e-7f * farthest;
+    scene->shadowOffset = 1e-5f * box.diagonal() + scene->rounding;
 }
 
 Renderer::Renderer(TableProvider tables) : impl_(std::make_unique<Impl>(std::move(tables))) {}
@@ -240,8 +259,9 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
     for (PreparedInstance& i : s.scene->instances) {
         const ShellObject* shell = i.mesh->shell.get();
         if (shell && !shell->coreBlack && s.scene->lights.count() > 0) {
-            i.core = shell->grid.spreadCoreRadiance(
-                coreRadiance(*shell, i.objectToWorld, *s.scene->rays, s.scene->lights, s.settings.seed, progress));
+            i.core =
+                shell->grid.spreadCoreRadiance(coreRadiance(*shell, i.objectToWorld, *s.scene->rays, s.scene->lights,
+                                                            s.scene->rounding, s.settings.seed, progress));
         }
     }
     s.stats.coreSeconds += since(coreStart);
@@ -280,7 +300,7 @@ bool Renderer::renderPass(Progress& progress) {
                         continue; // done before this pass was interrupted
                     }
                     const auto ndc = [&](double px, double py) {
-                        return s.camera.ray(2 * px / width - 1, 2 * py / height - 1);
+                        return s.camera.ray(2 * px / width - 1, 2 * py / height - 1, s.scene->origin);
                     };
                     if (pass == 0) {
                         s.film.setHit(x, y, integrator.firstHit(ndc(x + 0.5, y + 0.5), s.camera));

@@ -68,7 +68,7 @@ protected:
         RenderSettings settings;
         settings.samples = 4;
         renderer.setSettings(settings);
-        const Matrix4 view{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, -50, 1};
+        const Matrix4 view{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -cameraAt_.x, -cameraAt_.y, -50 - cameraAt_.z, 1};
         const Matrix4 projection{0.08, 0, 0, 0, 0, 0.08, 0, 0, 0, 0, -0.01, 0, 0, 0, -1, 1};
         renderer.setCamera(Camera(view, projection), kSize, kSize);
         Progress progress;
@@ -104,6 +104,7 @@ protected:
     std::string volume_;
     Scene scene_;
     Light light_;
+    Vec3d cameraAt_{0, 0, 0}; ///< looks from 50 above this
     int tables_ = 0;
     std::vector<std::string> messages_;
 };
@@ -140,6 +141,23 @@ TEST_F(SceneEdits, TransformVisibilityAndRemovalEqualFreshRenderer) {
     scene_.removeMesh("/shell");
     EXPECT_EQ(render(renderer), hidden);
     EXPECT_LE(tables_, 2);
+}
+
+// A million units from the origin the image is that of the origin: what is single precision is relative to the scene.
+TEST_F(SceneEdits, FarFromTheOrigin) {
+    Renderer near;
+    const std::vector<float> here = render(near);
+    const Vec3d far{1e6, -2e6, 5e5};
+    MeshInstance moved;
+    moved.objectToWorld.translation = far;
+    scene_.setInstances("/shell", {moved});
+    scene_.setInstances("/plain", {moved});
+    cameraAt_ = far;
+    Renderer away;
+    const std::vector<float> there = render(away);
+    for (std::size_t i = 0; i < here.size(); ++i) {
+        EXPECT_NEAR(here[i], there[i], 1e-4f) << i;
+    }
 }
 
 TEST_F(SceneEdits, SettingAValueToItselfChangesNothing) {
