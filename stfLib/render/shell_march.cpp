@@ -64,6 +64,13 @@ ShellRadiance ShellMarch::march(const Vec3f& entry, const Vec3f& direction, cons
     const float tEnd = bounded ? end.t : 4 * o.thicknessMm / o.mmPerUnit; // an open surface has no other side
     result.tExit = tEnd;
 
+    // The entry is the tile's top, whatever facets and interpolation make of it: in a dense medium a hundredth of a
+    // millimetre would show.
+    float entryDepth = 0;
+    if (ShellLookup first; accessor_.lookup(entry, first, nullptr)) {
+        entryDepth = first.depth;
+    }
+
     Rgb transmittance(1.0f), multiple(0.0f);
     Candidate chosen;
     float weightSum = 0;
@@ -77,6 +84,7 @@ ShellRadiance ShellMarch::march(const Vec3f& entry, const Vec3f& direction, cons
         ShellLookup found;
         if (accessor_.lookup(point, found, core_)) {
             at = found;
+            at.depth -= entryDepth;
             known = true;
         } else if (!known) {
             continue; // a sliver at the rim that the grid does not hold
@@ -140,6 +148,7 @@ ShellRadiance ShellMarch::march(const Vec3f& entry, const Vec3f& direction, cons
                     pick.y *= 4;
                     transmittance *= 4.0f;
                 } else {
+                    pick.y = (pick.y - 0.25f) / 0.75f; // uniform again
                     transmittance = Rgb(0.0f);
                     ended = true;
                     return false;
@@ -151,15 +160,20 @@ ShellRadiance ShellMarch::march(const Vec3f& entry, const Vec3f& direction, cons
     result.multiple = multiple;
 
     if (chosen.voxel >= 0) {
-        // A point of the step by the mean extinction's free flight; single scattering with the true phase function and
-        // the light's own attenuation through the tile.
+        // A point of the step by the free flight of one channel, weighted by the mean density of all three, so that no
+        // weight exceeds three whatever the channels' extinctions are (one-sample balance heuristic; Wilkie et al.
+        // 2014, "Hero Wavelength Spectral Sampling"). Single scattering has the true phase function and the light's own
+        // attenuation through the tile.
         const VoxelMedium& m = o.voxels[std::size_t(chosen.voxel)];
-        const float kappa = average(m.extinction), depth = kappa * chosen.length;
-        const float share = -std::expm1(-depth);
-        const float s = depth > 1e-4f ? -std::log1p(-third.y * share) / kappa : third.y * chosen.length;
-        const float density = depth > 1e-4f ? kappa * std::exp(-kappa * s) / share : 1 / chosen.length;
+        const float h = chosen.length;
+        const auto density = [&](float k, float x) {
+            return k * h > 1e-4f ? k * std::exp(-k * x) / -std::expm1(-k * h) : 1 / h;
+        };
+        const float kappa = m.extinction[std::min(2, int(pick.y * 3))], u = third.y;
+        const float s = kappa * h > 1e-4f ? std::min(h, -std::log1p(u * std::expm1(-kappa * h)) / kappa) : u * h;
+        const float mean = (density(m.extinction.x, s) + density(m.extinction.y, s) + density(m.extinction.z, s)) / 3;
         const Rgb path = chosen.transmittance * exp(-m.extinction * s) * m.scattering *
-                         (weightSum / chosen.weight / std::max(density, 1e-30f));
+                         (weightSum / chosen.weight / std::max(mean, 1e-30f));
         const float along = s / o.mmPerUnit;
         const Vec3f p = chosen.tilePosition + chosen.tileDirection * along;
         for (int l = 0; l < lightCount; ++l) {

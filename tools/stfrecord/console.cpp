@@ -40,13 +40,22 @@ void Console::message(const std::string& severity, const std::string& text, bool
     if (!add(severity, text, countsAsError) || (quiet_ && !countsAsError)) {
         return;
     }
-    clearLine();
-    std::fprintf(stderr, "stfrecord: %s: %s\n", severity.c_str(), text.c_str());
+    print(severity, text);
 }
 
 void Console::note(const std::string& severity, const std::string& text, bool countsAsError) {
     std::lock_guard<std::mutex> lock(mutex_);
     add(severity, text, countsAsError);
+    if (quiet_ && countsAsError) {
+        print(severity, text); // it came as a warning before, which --quiet hides
+    }
+}
+
+void Console::print(const std::string& severity, const std::string& text) {
+    if (printed_.insert(text).second) {
+        clearLine();
+        std::fprintf(stderr, "stfrecord: %s: %s\n", severity.c_str(), text.c_str());
+    }
 }
 
 void Console::progress(const std::string& what, double fraction, const std::string& annotation) {

@@ -23,7 +23,7 @@ public:
 
     /// `countsAsError`: something was left out of the image, or went wrong.
     void message(const std::string& severity, const std::string& text, bool countsAsError);
-    /// The same without printing (already printed by other means).
+    /// The same without printing (already printed by other means), but for an error that --quiet has hidden.
     void note(const std::string& severity, const std::string& text, bool countsAsError);
     void progress(const std::string& what, double fraction, const std::string& annotation);
     /// Ends the progress of one frame with a line that stays.
@@ -34,13 +34,14 @@ public:
 
 private:
     bool add(const std::string& severity, const std::string& text, bool countsAsError);
+    void print(const std::string& severity, const std::string& text);
     void clearLine();
 
     mutable std::mutex mutex_;
     bool quiet_, terminal_;
     bool lineOpen_ = false;
     bool errors_ = false;
-    std::set<std::string> seen_;
+    std::set<std::string> seen_, printed_;
     std::vector<Message> messages_;
     std::chrono::steady_clock::time_point lastProgress_;
     std::string lastWhat_;
