@@ -105,7 +105,9 @@ ShellLookup frameAt(const ShellObject& o, std::size_t triangle, float b1, float 
     at.exemplar = blend(o.map.cornerCoords, c, b1, b2);
     at.gradX = blend(o.map.gradientX, c, b1, b2);
     at.gradY = blend(o.map.gradientY, c, b1, b2);
-    at.normal = normalize(blend(o.surface.normals, o.surface.triangles[triangle], b1, b2));
+    at.normal = normalize(o.surface.cornerNormals.empty()
+                              ? blend(o.surface.normals, o.surface.triangles[triangle], b1, b2)
+                              : blend(o.surface.cornerNormals, c, b1, b2));
     return at;
 }
 

@@ -65,11 +65,8 @@ ShellRadiance ShellMarch::march(const Vec3f& entry, const Vec3f& direction, cons
     result.tExit = tEnd;
 
     // The entry is the tile's top, whatever facets and interpolation make of it: in a dense medium a hundredth of a
-    // millimetre would show.
+    // millimetre would show. The depth at which the first step would start is taken off all of them.
     float entryDepth = 0;
-    if (ShellLookup first; accessor_.lookup(entry, first, nullptr)) {
-        entryDepth = first.depth;
-    }
 
     Rgb transmittance(1.0f), multiple(0.0f);
     Candidate chosen;
@@ -84,6 +81,11 @@ ShellRadiance ShellMarch::march(const Vec3f& entry, const Vec3f& direction, cons
         ShellLookup found;
         if (accessor_.lookup(point, found, core_)) {
             at = found;
+            if (!known && t0 == 0) {
+                const float found0 = at.depth + dot(at.normal, direction) * o.mmPerUnit * middle;
+                // More than interpolation can be off by: the first lookup lies round a corner, below another face.
+                entryDepth = std::abs(found0) < 0.1f * step * o.mmPerUnit ? found0 : 0.0f;
+            }
             at.depth -= entryDepth;
             known = true;
         } else if (!known) {

@@ -273,7 +273,15 @@ ShellSample Scanner::makeSample(const Claim& claim) const {
     sample.depth = float(double(claim.depth) * grid_.mmPerUnit);
     sample.gradX = Vec3f(gradient[0]);
     sample.gradY = Vec3f(gradient[1]);
-    sample.normal = Vec3f(normal);
+    // A faceted surface is shaded by its facets; its shared normals only say where the shell lies.
+    Vec3d shading = normal;
+    if (!surface_.cornerNormals.empty()) {
+        shading = Vec3d(0.0);
+        for (std::size_t c = 0; c < 3; ++c) {
+            shading += Vec3d(surface_.cornerNormals[3 * t + c]) * b[c];
+        }
+    }
+    sample.normal = Vec3f(normalize(shading));
     sample.triangle = std::uint32_t(claim.triangle);
     sample.b1 = std::uint16_t(std::lround(claim.b1 * 65535.0f));
     sample.b2 = std::uint16_t(std::lround(claim.b2 * 65535.0f));

@@ -360,7 +360,8 @@ TEST(ShellGrid, HardEdgesAndTorusAreCoveredWithoutHoles) {
             }
             ShellLookup l;
             missing += !accessor.lookup(Vec3f(p), l);
-            EXPECT_NEAR(double(l.depth), depth, 0.01);
+            // At a mitre the nearest corner may belong to the other face, whose depth differs by less than a voxel.
+            EXPECT_NEAR(double(l.depth), depth, double(shell.grid.voxelSize()));
         }
         EXPECT_EQ(missing, 0);
     }
