@@ -207,7 +207,7 @@ def Xform "World"
         color3f[] primvars:displayColor = [(0.2, 0.215, 0.24)]
         uniform token subdivisionScheme = "none"
     }}
-{usda.distant_light("Key", (-0.92, 0.62, -0.22), 3.4, "(1, 0.82, 0.62)", 3)}{usda.dome_light("Sky", 0.36,
+{usda.distant_light("Key", (-0.92, 0.62, -0.22), 3.9, "(1, 0.82, 0.62)", 3)}{usda.dome_light("Sky", 0.5,
         "(0.78, 0.88, 1)")}{usda.camera((7, 20.5, 42), (0, 6.3, 0), 70, (24, 30), "(1, 1000)")}}}
 """
 
