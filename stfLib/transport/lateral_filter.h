@@ -9,7 +9,7 @@
 namespace stf {
 
 /// A Gaussian over x and y of a periodic tile, against the noise of walks. Fluence cannot change faster than over a
-/// mean free path, so the width is one transport mean free path, at most 1.5 voxels: noise falls by `noiseGain`, and
+/// mean free path, so the width is one transport mean free path, at most 1.5 voxels: noise falls two to three times, and
 /// the bias stays below it (bench/table_filter.cpp measures both). Depth is not filtered: fluence bends at the surface.
 class LateralFilter {
 public:
@@ -19,7 +19,7 @@ public:
 
     /// Filters any number of layers of size.x * size.y values in place; no effect on a tile of one column.
     void apply(std::vector<Rgb>& values) const;
-    /// Standard deviation of white noise before over after, at least 1.
+    /// Standard deviation of white noise before over after, at least 1; of walks, whose tracks cross voxels, less.
     double noiseGain() const;
 
 private:

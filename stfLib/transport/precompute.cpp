@@ -13,7 +13,7 @@ namespace stf {
 
 namespace {
 
-constexpr int kAlgorithm = 2; // raise with every change that changes tables
+constexpr int kAlgorithm = 3; // raise with every change that changes tables
 constexpr int kBatches = 8;   // of each direction; their scatter is the error estimate
 
 // The first column stands for all of them.
@@ -40,7 +40,7 @@ BaseVolume oneColumn(const BaseVolume& v) {
 }
 
 struct Estimate {
-    std::vector<double> sum, sumSquared; // of the batches' collided track lengths
+    std::vector<double> sum, sumSquared; // of the batches' collided track lengths, filtered as the table is
     WalkTally total;
 };
 
@@ -57,8 +57,9 @@ double relativeNoise(const Estimate& e) {
 
 class Job {
 public:
-    Job(const WalkMedium& medium, const TransportOptions& options, Progress& progress, double photonsInAll)
-        : medium_(medium), options_(options), progress_(progress), photonsInAll_(photonsInAll) {}
+    Job(const WalkMedium& medium, const TransportOptions& options, const LateralFilter& filter, Progress& progress,
+        double photonsInAll)
+        : medium_(medium), options_(options), filter_(filter), progress_(progress), photonsInAll_(photonsInAll) {}
 
     // All batches of one source. The order of addition is fixed: the result does not depend on threads.
     Estimate run(const WalkSource& source, std::uint64_t number, std::uint64_t photons) {
@@ -75,10 +76,18 @@ public:
         Estimate e;
         e.sum.assign(batches[0].collided.size(), 0.0);
         e.sumSquared = e.sum;
+        // Neighbouring voxels share walks, so the filter gains less than it would on white noise: what it leaves is
+        // measured on the filtered batches themselves.
+        std::vector<Rgb> filtered(e.sum.size() / 3);
         for (const WalkTally& b : batches) {
+            for (std::size_t i = 0; i < filtered.size(); ++i) {
+                filtered[i] = Rgb(Vec3d(b.collided[3 * i], b.collided[3 * i + 1], b.collided[3 * i + 2]));
+            }
+            filter_.apply(filtered);
             for (std::size_t i = 0; i < e.sum.size(); ++i) {
-                e.sum[i] += b.collided[i];
-                e.sumSquared[i] += b.collided[i] * b.collided[i];
+                const double value = double(filtered[i / 3][int(i % 3)]);
+                e.sum[i] += value;
+                e.sumSquared[i] += value * value;
             }
             e.total.add(b);
         }
@@ -88,6 +97,7 @@ public:
 private:
     const WalkMedium& medium_;
     const TransportOptions& options_;
+    const LateralFilter& filter_;
     Progress& progress_;
     double photonsInAll_, done_ = 0;
     std::mutex mutex_;
@@ -152,9 +162,9 @@ StfTable precompute(const BaseVolume& input, const TransportOptions& options, Pr
 
     const LateralFilter filter = options.filter ? LateralFilter(volume) : LateralFilter(volume.size, volume.voxelMm, 0);
     // A tile with more columns needs more photons for the same noise. The count is raised until the target is met; the
-    // first direction decides for all. The renderer's lookup averages over about 8 voxels, worth a factor of 2.
-    const double target = 2.0 * double(options.quality);
-    const double gain = filter.noiseGain();
+    // first direction decides for all. The renderer's lookup averages over about 8 voxels of a tile, 2 of a column, and
+    // a march over several of those: a voxel may be that much noisier.
+    const double target = (columns > 1 ? 3.0 : 2.0) * double(options.quality);
     std::uint64_t photons = std::min<std::uint64_t>(options.maxPhotons, std::max<std::uint64_t>(20000, columns * 8));
     const auto sourceOf = [&](int d) {
         WalkSource s;
@@ -163,8 +173,8 @@ StfTable precompute(const BaseVolume& input, const TransportOptions& options, Pr
         return s;
     };
     if (scatters) {
-        Job pilot(medium, options, progress, 1e30);
-        const double noise = relativeNoise(pilot.run(sourceOf(0), 1'000'000, photons)) / gain;
+        Job pilot(medium, options, filter, progress, 1e30);
+        const double noise = relativeNoise(pilot.run(sourceOf(0), 1'000'000, photons));
         const double wanted = double(photons) * std::max(1.0, noise * noise / (target * target)) * 1.1;
         photons = std::uint64_t(std::min(wanted, double(options.maxPhotons)));
         photons = (photons + kBatches - 1) / kBatches * kBatches;
@@ -173,7 +183,7 @@ StfTable precompute(const BaseVolume& input, const TransportOptions& options, Pr
 
     std::uint64_t lost = 0;
     double worstNoise = 0;
-    Job job(medium, options, progress, double(photons) * (directions + 1));
+    Job job(medium, options, filter, progress, double(photons) * (directions + 1));
     for (int d = 0; d < directions; ++d) {
         const Vec3f light = t.directions.direction(d);
         for (std::size_t c = 0; c < columns; ++c) {
@@ -192,7 +202,7 @@ StfTable precompute(const BaseVolume& input, const TransportOptions& options, Pr
         if (scatters) {
             e = job.run(sourceOf(d), std::uint64_t(d), photons);
             lost += e.total.lost;
-            worstNoise = std::max(worstNoise, relativeNoise(e) / gain);
+            worstNoise = std::max(worstNoise, relativeNoise(e));
         } else {
             progress.update("transport", double(d) / directions);
         }

@@ -28,7 +28,7 @@ public:
     // How it was made.
     std::string volumeHash, form = "classic";
     std::uint64_t photonsPerDirection = 0, seed = 0;
-    double relativeError = 0; ///< estimated from batches: noise of I_m, weighted by I_m
+    double relativeError = 0; ///< noise of I_m, weighted by I_m, from the scatter of filtered batches
     double seconds = 0;
 
     std::size_t bytes() const;
