@@ -72,6 +72,7 @@ struct Renderer::Impl {
     Rgb clearColor{0.0f};
     float clearAlpha = 0;
     std::uint64_t preparedVersion = 0, lightVersion = 0;
+    RenderSettings preparedSettings; ///< tables depend on the quality, the core's samples on the seed
     int passes = 0;
     RenderStats stats;
     std::vector<PlanEntry> scenePlan;
@@ -217,7 +218,8 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
     Impl& s = *impl_;
     setThreadCount(s.settings.threads);
     s.prepareStart = Clock::now();
-    if (s.scene && source.version() == s.preparedVersion) {
+    if (s.scene && source.version() == s.preparedVersion && s.settings.quality == s.preparedSettings.quality &&
+        s.settings.seed == s.preparedSettings.seed) {
         return;
     }
     if (!s.scene) {
@@ -256,16 +258,33 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
     // The core depends on lights and on whatever throws shadows: any edit of those solves it again, the camera does
     // not.
     const auto coreStart = Clock::now();
+    int solved = 0;
     for (PreparedInstance& i : s.scene->instances) {
         const ShellObject* shell = i.mesh->shell.get();
         if (shell && !shell->coreBlack && s.scene->lights.count() > 0) {
+            ++solved;
             i.core =
                 shell->grid.spreadCoreRadiance(coreRadiance(*shell, i.objectToWorld, *s.scene->rays, s.scene->lights,
                                                             s.scene->rounding, s.settings.seed, progress));
         }
     }
     s.stats.coreSeconds += since(coreStart);
-    s.scenePlan.push_back({"scene", "core", since(coreStart) > 0, "solved for lights and geometry", since(coreStart)});
+    s.scenePlan.push_back({"scene", "core", solved > 0,
+                           solved ? "solved for lights and geometry, instances: " + std::to_string(solved)
+                                  : "no lit shell with a core that scatters",
+                           since(coreStart)});
+    // What is held now, not what was ever made: edits replace tables and grids.
+    s.stats.tableBytes = s.stats.shellBytes = 0;
+    std::set<const StfTable*> tables;
+    for (const auto& [id, k] : s.kept) {
+        if (const ShellObject* shell = k.mesh ? k.mesh->shell.get() : nullptr) {
+            s.stats.shellBytes += shell->grid.memoryBytes();
+            if (tables.insert(shell->table.get()).second) {
+                s.stats.tableBytes += shell->table->bytes();
+            }
+        }
+    }
+    s.preparedSettings = s.settings;
     s.preparedVersion = source.version();
 }
 

@@ -149,7 +149,6 @@ std::shared_ptr<ShellObject> ShellBuilder::build(const std::string& id, const Co
     }
     o.table = table;
     stats.precomputeSeconds += precompute.seconds();
-    stats.tableBytes += o.table->bytes();
     std::string how = "form classic, " + std::to_string(o.table->directions.count()) + " directions";
     if (kept) {
         how = "table already in memory";
@@ -189,7 +188,6 @@ std::shared_ptr<ShellObject> ShellBuilder::build(const std::string& id, const Co
     o.grid = ShellGrid::build(o.surface, o.boundary, o.map, gridOptions, progress, messages);
     o.rayMesh = std::make_shared<const RayMesh>(o.surface.points, o.surface.triangles, o.boundary.inner);
     stats.shellSeconds += shell.seconds();
-    stats.shellBytes += o.grid.memoryBytes();
     note("shell", true, std::to_string(o.grid.sampleCount()) + " samples", shell.seconds());
 
     std::string why;

@@ -19,6 +19,7 @@ constexpr int kSize = 12;
 class SceneEdits : public ::testing::Test {
 protected:
     void SetUp() override {
+        settings_.samples = 4;
         folder_ = std::filesystem::temp_directory_path() /
                   (std::string("stf_edit_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
         std::filesystem::create_directories(folder_);
@@ -65,9 +66,7 @@ protected:
         renderer.setMessages([this](Severity severity, const std::string& text) {
             messages_.push_back((severity == Severity::Error ? "error " : "") + text);
         });
-        RenderSettings settings;
-        settings.samples = 4;
-        renderer.setSettings(settings);
+        renderer.setSettings(settings_);
         const Matrix4 view{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -cameraAt_.x, -cameraAt_.y, -50 - cameraAt_.z, 1};
         const Matrix4 projection{0.08, 0, 0, 0, 0, 0.08, 0, 0, 0, 0, -0.01, 0, 0, 0, -1, 1};
         renderer.setCamera(Camera(view, projection), kSize, kSize);
@@ -106,6 +105,7 @@ protected:
     Light light_;
     Vec3d cameraAt_{0, 0, 0}; ///< looks from 50 above this
     int tables_ = 0;
+    RenderSettings settings_;
     std::vector<std::string> messages_;
 };
 
@@ -141,6 +141,25 @@ TEST_F(SceneEdits, TransformVisibilityAndRemovalEqualFreshRenderer) {
     scene_.removeMesh("/shell");
     EXPECT_EQ(render(renderer), hidden);
     EXPECT_LE(tables_, 2);
+}
+
+// Tables depend on the quality, the core's samples on the seed: a setting that changes is an edit too.
+TEST_F(SceneEdits, SettingsEqualFreshRenderer) {
+    StfBinding binding;
+    binding.baseVolume = volume_;
+    scene_.setStf("/shell", binding);
+    settings_.quality = 0.2f;
+    Renderer renderer(countingTables());
+    const std::vector<float> coarse = render(renderer);
+    settings_.quality = 0.004f;
+    const std::vector<float> fine = render(renderer);
+    EXPECT_EQ(tables_, 2);
+    EXPECT_NE(coarse, fine);
+    settings_.seed = 5;
+    const std::vector<float> seeded = render(renderer);
+    EXPECT_EQ(tables_, 2);
+    Renderer fresh;
+    EXPECT_EQ(seeded, render(fresh));
 }
 
 // A million units from the origin the image is that of the origin: what is single precision is relative to the scene.
