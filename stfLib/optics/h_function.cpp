@@ -1,48 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stfLib/optics/h_function.h"
 
+#include "stfLib/optics/gauss_legendre.h"
+
 #include <algorithm>
 #include <cmath>
 
 namespace stf {
 
-namespace {
-
-// Gauss-Legendre on [0, 1] by Newton's method on the Legendre recurrence.
-void gaussLegendre(int n, std::vector<double>& x, std::vector<double>& w) {
-    x.resize(std::size_t(n));
-    w.resize(std::size_t(n));
-    for (int i = 0; i < n; ++i) {
-        double z = std::cos(M_PI * (i + 0.75) / (n + 0.5)), derivative = 1;
-        for (int iteration = 0; iteration < 100; ++iteration) {
-            double p0 = 1, p1 = z;
-            for (int k = 2; k <= n; ++k) {
-                const double p2 = ((2 * k - 1) * z * p1 - (k - 1) * p0) / k;
-                p0 = p1;
-                p1 = p2;
-            }
-            derivative = n * (z * p1 - p0) / (z * z - 1);
-            const double step = p1 / derivative;
-            z -= step;
-            if (std::abs(step) < 1e-15) {
-                break;
-            }
-        }
-        x[std::size_t(i)] = 0.5 * (1 - z);
-        w[std::size_t(i)] = 1 / ((1 - z * z) * derivative * derivative);
-    }
-}
-
-} // namespace
-
 HFunction::HFunction(double absorption)
     : albedo_(1 - std::clamp(absorption, 0.0, 1.0)), rootAbsorption_(std::sqrt(std::clamp(absorption, 0.0, 1.0))) {
     // mu = t^2 takes the logarithmic slope of H at grazing angles out of the integrand.
-    std::vector<double> t, wt;
-    gaussLegendre(64, t, wt);
-    for (std::size_t i = 0; i < t.size(); ++i) {
-        nodes_.push_back(t[i] * t[i]);
-        weights_.push_back(2 * t[i] * wt[i]);
+    const GaussLegendre rule(64);
+    for (std::size_t i = 0; i < rule.nodes.size(); ++i) {
+        const double t = rule.nodes[i];
+        nodes_.push_back(t * t);
+        weights_.push_back(2 * t * rule.weights[i]);
     }
     // 1/H(mu) = sqrt(1-a) + (a/2) INT mu' H(mu') / (mu + mu') dmu'. Averaging two iterates makes it converge at a = 1.
     values_.assign(nodes_.size(), 1.0);
