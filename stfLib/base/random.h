@@ -3,6 +3,7 @@
 
 #include <Random123/philox.h>
 
+#include <cmath>
 #include <cstdint>
 
 namespace stf {
@@ -18,8 +19,9 @@ public:
 
     std::uint32_t bits() {
         if (used_ == 4) {
-            block_ = r123::Philox4x32()(counter_, key_);
-            ++counter_[0];
+            // One block ahead: its ten dependent multiplications run beside what is done with this one.
+            block_ = counter_[0] == 0 ? next() : ahead_;
+            ahead_ = next();
             used_ = 0;
         }
         return block_[used_++];
@@ -28,11 +30,23 @@ public:
     float uniform() { return float(bits() >> 8) * 0x1p-24f; }
     /// Uniform in (0, 1], for logarithms.
     float uniformPositive() { return float((bits() >> 8) + 1) * 0x1p-24f; }
+    /// Exponential with mean 1, from 1e-10 to 23: small values as well as large ones keep their digits, which
+    /// -log(uniform()) would not.
+    float exponential() {
+        const std::uint32_t b = bits();
+        return b < 0x80000000u ? -std::log1p(-(float(b) + 0.5f) * 0x1p-32f) : -std::log((float(~b) + 0.5f) * 0x1p-32f);
+    }
 
 private:
+    r123::Philox4x32::ctr_type next() {
+        const r123::Philox4x32::ctr_type block = r123::Philox4x32()(counter_, key_);
+        ++counter_[0];
+        return block;
+    }
+
     r123::Philox4x32::key_type key_;
     r123::Philox4x32::ctr_type counter_;
-    r123::Philox4x32::ctr_type block_{};
+    r123::Philox4x32::ctr_type block_{}, ahead_{};
     int used_ = 4;
 };
 

@@ -99,6 +99,13 @@ inline float luminance(const Rgb& c) {
     return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z;
 }
 
+/// Largest whole number not above x, for |x| < 2^31: without a call where the processor has no instruction for it.
+template<class T>
+T quickFloor(T x) {
+    const int whole = int(x);
+    return T(whole - (x < T(whole) ? 1 : 0));
+}
+
 /// Two unit vectors that make a right-handed frame (t, b, n) with the unit vector n.
 /// Branch-free form of Duff et al. 2017, "Building an Orthonormal Basis, Revisited".
 template<class T>

@@ -87,4 +87,21 @@ TEST(CounterRng, PositiveIsNeverZero) {
     }
 }
 
+TEST(CounterRng, ExponentialHasBothTails) {
+    const int n = 2000000;
+    CounterRng rng(4, 4);
+    double sum = 0, squares = 0, below = 0, above = 0;
+    for (int i = 0; i < n; ++i) {
+        const double x = double(rng.exponential());
+        ASSERT_GT(x, 0);
+        sum += x, squares += x * x;
+        below += x < 1e-4;
+        above += x > 9;
+    }
+    EXPECT_NEAR(sum / n, 1, 4 / std::sqrt(double(n)));
+    EXPECT_NEAR(squares / n, 2, 4 * std::sqrt(20.0 / n)); // variance of x^2: 4! - 2^2
+    EXPECT_NEAR(below / n, -std::expm1(-1e-4), 4 * std::sqrt(1e-4 / n));
+    EXPECT_NEAR(above / n, std::exp(-9), 4 * std::sqrt(std::exp(-9) / n));
+}
+
 } // namespace
