@@ -104,7 +104,9 @@ bool BaseVolume::laterallyUniform() const {
     const std::size_t layer = std::size_t(size.x) * std::size_t(size.y);
     for (std::size_t i = 0; i < voxelCount(); ++i) {
         const std::size_t j = i / layer * layer;
-        if (extinction[i] != extinction[j] || albedo[i] != albedo[j] || (!g.empty() && g[i] != g[j])) {
+        const auto differs = [&](const auto& values) { return !values.empty() && values[i] != values[j]; };
+        if (differs(extinction) || differs(albedo) || differs(g) || differs(ior) || differs(surface) ||
+            differs(emission)) {
             return false;
         }
     }
@@ -140,6 +142,7 @@ std::string BaseVolume::contentHash() const {
     add(g);
     add(ior);
     add(surface);
+    add(emission);
     return hexadecimal(XXH3_128bits_digest(state.get()));
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stfLib/volume/make_samples.h"
 
+#include "stfLib/base/random.h"
+
 #include <cmath>
 
 #define STB_PERLIN_IMPLEMENTATION
@@ -119,22 +121,19 @@ BaseVolume makeWax(const SampleOptions& options) {
         const double sy = (depthAt(mm.x, mm.y + e) - depthAt(mm.x, mm.y - e)) / (2 * e);
         // Distance to the tangent plane: exact for a plane, and positive outside.
         v.surface[i] = float((depthAt(mm.x, mm.y) - mm.z) / std::sqrt(1 + sx * sx + sy * sy));
-        // Share of the voxel that is filled, by sub-columns; coefficients scale with it, so no staircase is seen.
-        const int n = 4;
-        double filled = 0;
-        for (int b = 0; b < n; ++b) {
-            for (int a = 0; a < n; ++a) {
-                const double d =
-                    depthAt(mm.x + ((a + 0.5) / n - 0.5) * v.voxelMm.x, mm.y + ((b + 0.5) / n - 0.5) * v.voxelMm.y);
-                filled += std::clamp((mm.z + 0.5 * v.voxelMm.z - d) / v.voxelMm.z, 0.0, 1.0) / (n * n);
-            }
-        }
-        const bool outside = filled < 1e-4 || double(v.surface[i]) > 0.5 * v.voxelMm.z; // as the reader sees it
-        setMedium(v, i, sigmaA, extinction, outside ? 0.0 : filled);
+        // Coefficients are those of the wax: the surface says where it is. Voxels that it may cut have them, too.
+        setMedium(v, i, sigmaA, extinction, double(v.surface[i]) > v.voxelMm.x ? 0.0 : 1.0);
     });
     v.coreSigmaA = sigmaA;
     v.coreSigmaSPrime = Vec3d(extinction) - sigmaA;
     return v;
+}
+
+// A core like the volume's mean.
+void setCore(BaseVolume& v, const Rgb& extinction, const SampleOptions& options) {
+    const Vec3d kappa(extinction), albedo(options.albedo);
+    v.coreSigmaA = kappa * (Vec3d(1.0) - albedo);
+    v.coreSigmaSPrime = kappa * albedo * (1.0 - double(options.g));
 }
 
 BaseVolume makeUniform(const SampleOptions& options) {
@@ -144,9 +143,31 @@ BaseVolume makeUniform(const SampleOptions& options) {
     if (options.g != 0) {
         v.g.assign(v.voxelCount(), options.g);
     }
-    const Vec3d kappa(options.extinction), albedo(options.albedo);
-    v.coreSigmaA = kappa * (Vec3d(1.0) - albedo);
-    v.coreSigmaSPrime = kappa * albedo * (1.0 - double(options.g));
+    setCore(v, options.extinction, options);
+    return v;
+}
+
+BaseVolume makeRandom(const SampleOptions& options) {
+    if (!(options.ratio >= 1 && options.ratio <= 1e12) || !(options.tau >= 0 && options.tau <= 1e6)) {
+        throw Error("a random sample takes a ratio of 1 to 1e12 and a mean optical depth of 0 to 1e6");
+    }
+    BaseVolume v = blank("random", options, {64, 64, 32}, 1);
+    CounterRng rng(options.seed, 0);
+    double sum = 0;
+    std::vector<double> kappa(v.voxelCount());
+    for (double& k : kappa) {
+        k = std::exp(double(rng.uniform()) * std::log(options.ratio));
+        sum += k;
+    }
+    const double mean = options.tau / v.extentMm().z, scale = mean * double(v.voxelCount()) / sum;
+    for (std::size_t i = 0; i < v.voxelCount(); ++i) {
+        v.extinction[i] = Rgb(float(kappa[i] * scale));
+    }
+    std::fill(v.albedo.begin(), v.albedo.end(), options.albedo);
+    if (options.g != 0) {
+        v.g.assign(v.voxelCount(), options.g);
+    }
+    setCore(v, Rgb(float(mean)), options);
     return v;
 }
 
@@ -157,6 +178,7 @@ const std::vector<SampleInfo>& sampleNames() {
         {"marble", "white marble with rust-coloured veins, 38 x 38 x 8 mm"},
         {"wax", "warm wax with a raised rosette pattern, 10 x 10 x 5 mm"},
         {"uniform", "homogeneous medium by --extinction, --albedo, --g"},
+        {"random", "voxels of independent log-uniform extinction by --ratio, --tau, --albedo, --g"},
     };
     return names;
 }
@@ -169,6 +191,8 @@ BaseVolume makeSample(const std::string& name, const SampleOptions& options) {
         v = makeWax(options);
     } else if (name == "uniform") {
         v = makeUniform(options);
+    } else if (name == "random") {
+        v = makeRandom(options);
     } else {
         std::string known;
         for (const SampleInfo& info : sampleNames()) {

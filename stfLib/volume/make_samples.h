@@ -13,10 +13,11 @@ struct SampleOptions {
     Vec3i size{0, 0, 0}; ///< voxels; 0: the sample's own default
     double voxelMm = 0;  ///< edge of a voxel; 0: the sample's own default
     std::uint32_t seed = 0;
-    // Of the sample "uniform" only.
-    Rgb extinction{1.0f};
-    Rgb albedo{0.9f};
-    float g = 0;
+    Rgb extinction{1.0f}; ///< of "uniform"
+    Rgb albedo{0.9f};     ///< of "uniform" and "random"
+    float g = 0;          ///< of both
+    double ratio = 100;   ///< of "random": largest extinction over smallest
+    double tau = 10;      ///< of "random": mean optical depth from top to bottom
 };
 
 /// Names that `makeSample` knows, with a line of description each.

@@ -55,6 +55,14 @@ std::vector<T> extract(const openvdb::GridPtrVec& grids, const std::string& name
     return {};
 }
 
+// What io::File writes, to a stream of the caller's: io::File::write() does not look whether the disk took it all.
+class CheckedArchive : public openvdb::io::Archive {
+public:
+    void writeTo(std::ostream& out, const openvdb::GridPtrVec& grids, const openvdb::MetaMap& metadata) const {
+        Archive::write(out, grids, /*seekable=*/true, metadata);
+    }
+};
+
 } // namespace
 
 void initializeOpenVdb() {
@@ -111,9 +119,11 @@ void writeVdb(const std::string& path, const openvdb::GridPtrVec& grids, const o
         if (target.has_parent_path()) {
             fs::create_directories(target.parent_path());
         }
-        openvdb::io::File file(temporary.string());
-        file.write(grids, metadata);
-        file.close();
+        std::ofstream out;
+        out.exceptions(std::ios::failbit | std::ios::badbit);
+        out.open(temporary, std::ios::binary | std::ios::trunc);
+        CheckedArchive().writeTo(out, grids, metadata);
+        out.close();
         fs::rename(temporary, target);
     } catch (const std::exception& e) {
         std::error_code ignored;

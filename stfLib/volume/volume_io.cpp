@@ -3,6 +3,8 @@
 
 #include "stfLib/volume/vdb_dense.h"
 
+#include <algorithm>
+
 namespace stf {
 
 namespace {
@@ -46,24 +48,12 @@ BaseVolume parse(const VdbFile& file, const MessageSink& messages) {
         throw Error(std::string("grid '") + (v.extinction.empty() ? "extinction" : "albedo") + "' is missing");
     }
     validate(v);
-
-    for (std::size_t i = 0; i < v.surface.size(); ++i) {
-        // A voxel whose middle is more than half a voxel outside holds no material, whatever its coefficients say.
-        if (v.surface[i] > 0.5f * float(v.voxelMm.z)) {
-            v.extinction[i] = Rgb(0.0f);
-        }
-    }
-    for (float n : v.ior) {
-        if (std::abs(n - 1) > 1e-6f) {
-            report(messages, Severity::Warning,
-                   "the index of refraction is read but not used: light enters unrefracted");
-            break;
-        }
-    }
-    for (const Rgb& e : v.emission) {
-        if (maxComponent(e) > 0) {
-            report(messages, Severity::Warning, "emission is read but not used");
-            break;
+    if (!v.ior.empty()) {
+        const auto [low, high] = std::minmax_element(v.ior.begin(), v.ior.end());
+        if (*high - *low > 1e-3f && v.surface.empty()) {
+            report(
+                messages, Severity::Info,
+                "the index of refraction varies: it counts where light crosses a surface, inside nothing is refracted");
         }
     }
     return v;

@@ -44,6 +44,31 @@ TEST(MakeSample, AbsurdSize) {
     EXPECT_THROW(sample("uniform", 0, {0, 0, 5}), Error);
 }
 
+TEST(MakeSample, RandomHasItsMeanAndRange) {
+    SampleOptions options;
+    options.size = {16, 12, 8};
+    options.voxelMm = 0.5;
+    options.ratio = 30;
+    options.tau = 7;
+    options.g = 0.5f;
+    const BaseVolume v = makeSample("random", options);
+    double sum = 0;
+    float lowest = 1e30f, highest = 0;
+    for (const Rgb& k : v.extinction) {
+        EXPECT_EQ(k.x, k.z);
+        sum += double(k.x);
+        lowest = std::min(lowest, k.x);
+        highest = std::max(highest, k.x);
+    }
+    EXPECT_NEAR(sum / double(v.voxelCount()) * v.extentMm().z, 7, 1e-4);
+    EXPECT_LE(highest / lowest, 30.001f);
+    EXPECT_GE(highest / lowest, 28.0f);
+    EXPECT_EQ(v.g[5], 0.5f);
+    EXPECT_NE(v.contentHash(), sample("random", 1, {16, 12, 8}).contentHash());
+    options.ratio = 0.5;
+    EXPECT_THROW(makeSample("random", options), Error);
+}
+
 TEST(MakeSample, SeedChangesMarble) {
     EXPECT_NE(sample("marble", 1, {16, 16, 4}).contentHash(), sample("marble", 2, {16, 16, 4}).contentHash());
 }
@@ -112,8 +137,8 @@ TEST(MakeSample, WaxHasReliefAndVoidsAboveIt) {
     EXPECT_TRUE(v.hasRelief());
     std::size_t voids = 0;
     for (std::size_t i = 0; i < v.voxelCount(); ++i) {
-        const bool outside = v.surface[i] > 0.5f * float(v.voxelMm.z);
-        ASSERT_LE(v.extinction[i].x, outside ? 1.0f : 2.0f) << "material outside the surface";
+        const bool outside = v.surface[i] > float(v.voxelMm.x);
+        ASSERT_EQ(v.extinction[i].x, outside ? 0.0f : 2.0f) << "material wherever the surface may cut a voxel";
         voids += v.extinction[i].x == 0;
     }
     EXPECT_GT(voids, 0u);
