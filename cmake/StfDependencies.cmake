@@ -40,7 +40,8 @@ set_target_properties(stf_opensubdiv PROPERTIES
     IMPORTED_LOCATION ${OpenSubdiv_LIBRARY}
     INTERFACE_INCLUDE_DIRECTORIES ${OpenSubdiv_INCLUDE_DIR})
 
-# Header-only or small helpers: counter-based random numbers, hashing, JSON, options, PNG.
+# Header-only or small helpers: eigenvalues, counter-based random numbers, hashing, JSON, options, PNG.
+find_package(Eigen3 3.3 REQUIRED NO_MODULE)
 find_path(RANDOM123_INCLUDE_DIR Random123/philox.h REQUIRED)
 find_path(XXHASH_INCLUDE_DIR xxhash.h REQUIRED)
 find_library(XXHASH_LIBRARY xxhash REQUIRED)

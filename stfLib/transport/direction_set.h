@@ -5,35 +5,41 @@
 
 namespace stf {
 
-/// Up to four directions of a set and their weights (not negative; their sum is below 1 near grazing light).
+/// The directions of a set that a lookup reads, and their weights: their sum is 1 but near grazing light, some are
+/// negative.
 struct DirectionWeights {
-    int index[4];
-    float weight[4];
+    int index[16];
+    float weight[16];
     int count = 0; ///< 0: no light from there
+    /// So many at the end lie across the pole: seen from there, what is radial or tangential has the other sign.
+    int across = 0;
 };
 
-/// The light directions of a table: polar nodes 0, d, 2d, ... below 90 degrees and `azimuths` nodes around, in the
-/// frame (tangent, bitangent, outward normal) of the tile. One azimuth means: averaged over azimuth. At 90 degrees the
-/// table is zero, since it is stored per perpendicular irradiance. Index = polar * azimuths + azimuth, polar 0
-/// included.
+/// The light directions of a table: polar angles 0, d, 2d, ... below 90 degrees; one node at the pole, `azimuths` nodes
+/// around on every other ring, in the frame (tangent, bitangent, outward normal) of the tile. One azimuth means:
+/// averaged over azimuth. At 90 degrees the table is zero, since it is stored per perpendicular irradiance.
+/// Index 0 is the pole, then ring after ring.
 class DirectionSet {
 public:
     DirectionSet() = default;
+    /// `polars` >= 1 counts the pole; `azimuths` is 1 or even (odd ones become the next).
     DirectionSet(int polars, int azimuths);
 
     int polars() const { return polars_; }
     int azimuths() const { return azimuths_; }
-    int count() const { return polars_ * azimuths_; }
+    int count() const { return polars_ > 0 ? 1 + (polars_ - 1) * azimuths_ : 0; }
     /// Unit vector towards the light; z outward.
     Vec3f direction(int index) const;
-    float polarAngle(int index) const { return float(index / azimuths_) * step_; }
+    float polarAngle(int index) const { return float(ring(index)) * step_; }
+    int ring(int index) const { return index == 0 ? 0 : 1 + (index - 1) / azimuths_; }
 
-    /// Linear in the polar angle, periodic linear in azimuth. `towardsLight` is a unit vector in the tile's frame.
+    /// Lagrange's cubic through four rings (through the pole onto the other side; one-sided at grazing light) and, on
+    /// each, through four azimuths. `towardsLight` is a unit vector in the tile's frame. Exact at the nodes.
     DirectionWeights weights(const Vec3f& towardsLight) const;
 
 private:
     int polars_ = 0, azimuths_ = 1;
-    float step_ = 0; ///< radians between polar nodes
+    float step_ = 0; ///< radians between rings
 };
 
 } // namespace stf

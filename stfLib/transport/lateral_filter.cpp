@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stfLib/transport/lateral_filter.h"
 
+#include "stfLib/base/parallel.h"
 #include "stfLib/transport/tile_tracer.h"
 
 namespace stf {
 
 namespace {
-
-constexpr double kWidestVoxels = 1.5;
 
 std::vector<float> gaussian(double sigma, int period) {
     if (period < 2 || !(sigma > 0.2)) {
@@ -26,65 +25,76 @@ std::vector<float> gaussian(double sigma, int period) {
     return k;
 }
 
-double sumOfSquares(const std::vector<float>& k) {
-    double sum = 0;
-    for (float w : k) {
-        sum += double(w) * double(w);
+// out[i] = sum over k of kernel[k] in[i + k], rows of `width` numbers that follow each other periodically.
+void convolve(const std::vector<float>& kernel, const float* in, int rows, int width, float* out) {
+    const int radius = int(kernel.size()) / 2;
+    for (int i = 0; i < rows; ++i) {
+        float* const o = out + std::ptrdiff_t(i) * width;
+        std::fill(o, o + width, 0.0f);
+        for (int k = -radius; k <= radius; ++k) {
+            const float* const p = in + std::ptrdiff_t(TileTracer::wrap(i + k, rows)) * width;
+            const float w = kernel[std::size_t(k + radius)];
+            for (int j = 0; j < width; ++j) {
+                o[j] += w * p[j];
+            }
+        }
     }
-    return sum;
 }
 
 } // namespace
 
-LateralFilter::LateralFilter(const BaseVolume& v) : size_(v.size) {
-    // Transport mean free path of the densest channel, averaged over the filled voxels.
-    double extinction = 0;
-    std::size_t filled = 0;
-    for (std::size_t i = 0; i < v.voxelCount(); ++i) {
-        if (const float k = maxComponent(v.extinction[i]); k > 0) {
-            extinction += double(k) * (1 - (v.g.empty() ? 0.0 : double(v.g[i])));
-            ++filled;
-        }
-    }
-    const double meanFreePath = extinction > 0 ? double(filled) / extinction : 0;
-    kernelX_ = gaussian(std::min(kWidestVoxels, meanFreePath / v.voxelMm.x), size_.x);
-    kernelY_ = gaussian(std::min(kWidestVoxels, meanFreePath / v.voxelMm.y), size_.y);
-}
-
 LateralFilter::LateralFilter(const Vec3i& size, const Vec3d& voxelMm, double sigmaMm)
     : size_(size), kernelX_(gaussian(sigmaMm / voxelMm.x, size.x)), kernelY_(gaussian(sigmaMm / voxelMm.y, size.y)) {}
 
-void LateralFilter::apply(std::vector<Rgb>& values) const {
-    const auto pass = [&](const std::vector<float>& kernel, int length, std::size_t stride, std::size_t start,
-                          std::vector<Rgb>& line) {
-        const int radius = int(kernel.size()) / 2;
-        line.resize(std::size_t(length));
-        for (int i = 0; i < length; ++i) {
-            Rgb sum(0.0f);
-            for (int k = -radius; k <= radius; ++k) {
-                sum += values[start + stride * std::size_t(TileTracer::wrap(i + k, length))] *
-                       kernel[std::size_t(k + radius)];
-            }
-            line[std::size_t(i)] = sum;
+void LateralFilter::applyLayer(float* values, int components, const float* fill) const {
+    if (none()) {
+        return;
+    }
+    const std::size_t items = std::size_t(size_.x) * std::size_t(size_.y), n = std::size_t(components);
+    const auto smooth = [&](std::vector<float>& v, int width) {
+        std::vector<float> other(v.size());
+        for (int y = 0; y < size_.y; ++y) {
+            const std::ptrdiff_t row = std::ptrdiff_t(y) * size_.x * width;
+            convolve(kernelX_, v.data() + row, size_.x, width, other.data() + row);
         }
-        for (int i = 0; i < length; ++i) {
-            values[start + stride * std::size_t(i)] = line[std::size_t(i)];
-        }
+        convolve(kernelY_, other.data(), size_.y, size_.x * width, v.data());
     };
-    const std::size_t nx = std::size_t(size_.x), ny = std::size_t(size_.y), nz = values.size() / (nx * ny);
-    std::vector<Rgb> line;
-    for (std::size_t z = 0; z < nz; ++z) {
-        for (std::size_t y = 0; y < ny && kernelX_.size() > 1; ++y) {
-            pass(kernelX_, size_.x, 1, (z * ny + y) * nx, line);
+    std::vector<float> v(values, values + items * n), weight;
+    if (fill) {
+        weight.assign(fill, fill + items);
+        for (std::size_t i = 0; i < items * n; ++i) {
+            v[i] *= fill[i / n];
         }
-        for (std::size_t x = 0; x < nx && kernelY_.size() > 1; ++x) {
-            pass(kernelY_, size_.y, nx, z * ny * nx + x, line);
-        }
+        smooth(weight, 1);
+    }
+    smooth(v, components);
+    for (std::size_t i = 0; i < items * n; ++i) {
+        values[i] = !fill ? v[i] : weight[i / n] > 1e-6f ? v[i] / weight[i / n] : 0.0f;
     }
 }
 
-double LateralFilter::noiseGain() const {
-    return 1 / std::sqrt(sumOfSquares(kernelX_) * sumOfSquares(kernelY_));
+void LateralFilter::apply(std::vector<float>& values, int components, const std::vector<float>& fill) const {
+    if (none()) {
+        return;
+    }
+    const std::size_t items = std::size_t(size_.x) * std::size_t(size_.y), layer = items * std::size_t(components);
+    parallelFor(values.size() / layer, 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t z = begin; z < end; ++z) {
+            applyLayer(values.data() + z * layer, components, fill.empty() ? nullptr : fill.data() + z * items);
+        }
+    });
+}
+
+void LateralFilter::apply(std::vector<Rgb>& values) const {
+    std::vector<float> flat;
+    flat.reserve(values.size() * 3);
+    for (const Rgb& v : values) {
+        flat.insert(flat.end(), {v.x, v.y, v.z});
+    }
+    apply(flat, 3, {});
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        values[i] = {flat[3 * i], flat[3 * i + 1], flat[3 * i + 2]};
+    }
 }
 
 } // namespace stf

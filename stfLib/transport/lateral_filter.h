@@ -2,28 +2,29 @@
 #pragma once
 
 #include "stfLib/base/vec.h"
-#include "stfLib/volume/base_volume.h"
 
 #include <vector>
 
 namespace stf {
 
-/// A Gaussian over x and y of a periodic tile, against the noise of walks. Fluence cannot change faster than over a
-/// mean free path, so the width is one transport mean free path, at most 1.5 voxels: noise falls two to three times, and
-/// the bias stays below it (bench/table_filter.cpp measures both). Depth is not filtered: fluence bends at the surface.
+/// A Gaussian over x and y of a periodic tile, against the noise of walks. Depth is not filtered: fluence bends at the
+/// surface. How wide it may be is decided where its bias is measured (precompute).
 class LateralFilter {
 public:
-    explicit LateralFilter(const BaseVolume& volume);
-    /// The same with a given width: standard deviation in mm, whatever number of voxels that is.
+    LateralFilter() = default;
+    /// Standard deviation in mm; none where it is below a fifth of a voxel.
     LateralFilter(const Vec3i& size, const Vec3d& voxelMm, double sigmaMm);
 
-    /// Filters any number of layers of size.x * size.y values in place; no effect on a tile of one column.
+    bool none() const { return kernelX_.size() < 2 && kernelY_.size() < 2; }
+    /// Filters one layer of size.x * size.y items of `components` numbers in place. `fill`, where given, holds the
+    /// share of each item that counts: an average over what is filled; empty items get it from their neighbours.
+    void applyLayer(float* values, int components, const float* fill) const;
+    /// All layers of [item][component], on all threads.
+    void apply(std::vector<float>& values, int components, const std::vector<float>& fill) const;
     void apply(std::vector<Rgb>& values) const;
-    /// Standard deviation of white noise before over after, at least 1; of walks, whose tracks cross voxels, less.
-    double noiseGain() const;
 
 private:
-    Vec3i size_;
+    Vec3i size_{0, 0, 0};
     std::vector<float> kernelX_, kernelY_; ///< odd length, sum 1
 };
 

@@ -1,20 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stfLib/transport/precompute.h"
 
-#include "stfLib/base/parallel.h"
-#include "stfLib/transport/lateral_filter.h"
-#include "stfLib/transport/walk.h"
+#include "stfLib/transport/column_light.h"
+#include "stfLib/transport/direction_choice.h"
+#include "stfLib/transport/group_statistics.h"
+#include "stfLib/transport/read_noise.h"
+#include "stfLib/transport/source_light.h"
 
 #include <chrono>
-#include <mutex>
 #include <sstream>
 
 namespace stf {
 
 namespace {
 
-constexpr int kAlgorithm = 3; // raise with every change that changes tables
-constexpr int kBatches = 8;   // of each direction; their scatter is the error estimate
+constexpr int kAlgorithm = 4; // raise with every change that changes tables
+// Shares of the wanted error that each source may take; noise gets what they leave.
+constexpr double kDirectionShare = 0.45, kFilterShare = 0.75;
+constexpr double kLeastShare = 0.1; // TileWalks::weight
+const Vec3f kPilotLights[] = {{0, 0, 1}, {0.7071068f, 0, 0.7071068f}};
+constexpr std::uint64_t kPilots = 1ull << 41; // numbers of these sources
+constexpr double kFilterVoxels[] = {1.5, 1.0, 0.75, 0.5, 0.35};
+constexpr int kPolarsOfClearMedia = 13;                          // exponentials of the slant depth
+constexpr std::size_t kMaxDirectionBytes = std::size_t(3) << 30; // of all directions' values while they are made
 
 // The first column stands for all of them.
 BaseVolume oneColumn(const BaseVolume& v) {
@@ -39,90 +47,161 @@ BaseVolume oneColumn(const BaseVolume& v) {
     return c;
 }
 
-struct Estimate {
-    std::vector<double> sum, sumSquared; // of the batches' collided track lengths, filtered as the table is
-    WalkTally total;
-};
-
-// Noise of the voxels' values, weighted by the values: sqrt(sum var) / sqrt(sum mean^2).
-double relativeNoise(const Estimate& e) {
-    double variance = 0, mean = 0;
-    for (std::size_t i = 0; i < e.sum.size(); ++i) {
-        const double m = e.sum[i] / kBatches, m2 = e.sumSquared[i] / kBatches;
-        variance += std::max(0.0, m2 - m * m) / (kBatches - 1);
-        mean += m * m;
-    }
-    return mean > 0 ? std::sqrt(variance / mean) : 0.0;
-}
-
-class Job {
+class Precompute {
 public:
-    Job(const WalkMedium& medium, const TransportOptions& options, const LateralFilter& filter, Progress& progress,
-        double photonsInAll)
-        : medium_(medium), options_(options), filter_(filter), progress_(progress), photonsInAll_(photonsInAll) {}
+    Precompute(const BaseVolume& volume, const TransportOptions& options, Progress& progress,
+               const MessageSink& messages)
+        : messages_(messages), c_(volume, options, progress) {}
 
-    // All batches of one source. The order of addition is fixed: the result does not depend on threads.
-    Estimate run(const WalkSource& source, std::uint64_t number, std::uint64_t photons) {
-        const std::uint64_t perBatch = std::max<std::uint64_t>(1, photons / kBatches);
-        std::vector<WalkTally> batches(kBatches);
-        parallelFor(kBatches, 1, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t b = begin; b < end; ++b) {
-                batches[b] = medium_.walk(source, options_.seed, number, b * perBatch, perBatch, progress_);
-                const std::lock_guard<std::mutex> lock(mutex_);
-                done_ += double(perBatch);
-                progress_.update("transport", std::min(1.0, done_ / photonsInAll_));
-            }
-        });
-        Estimate e;
-        e.sum.assign(batches[0].collided.size(), 0.0);
-        e.sumSquared = e.sum;
-        // Neighbouring voxels share walks, so the filter gains less than it would on white noise: what it leaves is
-        // measured on the filtered batches themselves.
-        std::vector<Rgb> filtered(e.sum.size() / 3);
-        for (const WalkTally& b : batches) {
-            for (std::size_t i = 0; i < filtered.size(); ++i) {
-                filtered[i] = Rgb(Vec3d(b.collided[3 * i], b.collided[3 * i + 1], b.collided[3 * i + 2]));
-            }
-            filter_.apply(filtered);
-            for (std::size_t i = 0; i < e.sum.size(); ++i) {
-                const double value = double(filtered[i / 3][int(i % 3)]);
-                e.sum[i] += value;
-                e.sumSquared[i] += value * value;
-            }
-            e.total.add(b);
+    StfTable run() {
+        StfTable t;
+        t.size = c_.volume.size;
+        t.voxelMm = c_.volume.voxelMm;
+        t.form = c_.options.form;
+        t.seed = c_.options.seed;
+        t.algorithm = kAlgorithm;
+        t.error.target = double(c_.options.quality);
+        std::vector<DirectionLight> walked;
+        if (c_.medium.scatters()) {
+            choose(t);
+            walked = walkDirections(c_, t);
+        } else {
+            t.directions = DirectionSet(kPolarsOfClearMedia, 1);
         }
-        return e;
+        lightColumns(c_, walked, t);
+        lightFromBelow(c_, t);
+        lightFromEmission(c_, t);
+        t.photons = std::uint64_t(c_.walks.photons());
+        t.collisions = c_.walks.collisions();
+        tell(t);
+        return t;
     }
 
 private:
-    const WalkMedium& medium_;
-    const TransportOptions& options_;
-    const LateralFilter& filter_;
-    Progress& progress_;
-    double photonsInAll_, done_ = 0;
-    std::mutex mutex_;
-};
-
-// Irradiance on the bottom of a column by light that never collides: exact, averaged over 4 x 4 points of the column.
-Rgb directThroughColumn(const WalkMedium& medium, int x, int y, const Vec3f& towardsLight) {
-    constexpr int kSub = 4;
-    Vec3d sum(0.0);
-    for (int b = 0; b < kSub; ++b) {
-        for (int a = 0; a < kSub; ++a) {
-            const Vec3f p{float(x) + (float(a) + 0.5f) / kSub, float(y) + (float(b) + 0.5f) / kSub,
-                          float(medium.size().z)};
-            sum += Vec3d(exp(-medium.opticalDepth(p, towardsLight)));
+    // Directions and filter, by pilot walks.
+    void choose(StfTable& t) {
+        c_.walks.expect(1e30);
+        const std::vector<ReadGroups> plain = pilots();
+        const double wanted = double(c_.options.quality) / c_.weight;
+        const DirectionChoice choice =
+            chooseDirections(c_.medium, c_.walks, kDirectionShare * wanted, c_.options.polars,
+                             c_.columns == 1 ? 1 : c_.options.azimuths, c_.pilotPhotons);
+        t.directions = choice.set;
+        t.error.directions = choice.error * c_.weight;
+        const std::size_t perDirection = c_.medium.voxelCount() * std::size_t(c_.walks.components()) * sizeof(float);
+        if (std::size_t(choice.set.count()) * perDirection > kMaxDirectionBytes) {
+            const int most = std::max(1, int(kMaxDirectionBytes / perDirection));
+            int azimuths = (most - 1) / std::max(1, choice.set.polars() - 1) / 2 * 2;
+            azimuths = azimuths < 4 ? 1 : azimuths;
+            t.directions = DirectionSet(choice.set.polars(), azimuths);
+            report(messages_, Severity::Warning,
+                   "the volume is too large for " + std::to_string(choice.set.count()) +
+                       " light directions: " + std::to_string(t.directions.count()) + " are used");
+        }
+        if (c_.options.filter && c_.columns > 1) {
+            chooseFilter(t, plain, wanted);
         }
     }
-    return Rgb(sum * (double(towardsLight.z) / (kSub * kSub)));
-}
+
+    // Fluence for a steep and an oblique light, and how much of all light it is.
+    std::vector<ReadGroups> pilots() {
+        std::vector<ReadGroups> plain;
+        double collided = 0, uncollided = 0;
+        std::vector<WalkJob> jobs;
+        for (int k = 0; k < 2; ++k) {
+            WalkSource source;
+            source.towardsLight = kPilotLights[k];
+            jobs.push_back({source, kPilots + std::uint64_t(k), 0, c_.pilotPhotons});
+        }
+        c_.walks.run(jobs, false, [&](std::size_t job, const std::vector<GroupResult>& r) {
+            filtered_[job].clear();
+            for (const double voxels : kFilterVoxels) {
+                filtered_[job].push_back(c_.options.filter && c_.columns > 1
+                                             ? readGroups(c_.medium, r, c_.walks.components(), filterOf(voxels)).read
+                                             : std::vector<std::vector<float>>());
+            }
+            plain.push_back(readGroups(c_.medium, r, c_.walks.components(), LateralFilter()));
+            const double flux = double(kPilotLights[job].z) * c_.tileArea;
+            collided += std::max(0.0, commonSquare(plain.back().read)) * flux * flux;
+        });
+        const std::size_t stride = std::max<std::size_t>(1, c_.medium.voxelCount() / 1000);
+        std::size_t count = 0;
+        for (std::size_t i = 0; i < c_.medium.voxelCount(); i += stride, ++count) {
+            const std::size_t nx = std::size_t(c_.volume.size.x), ny = std::size_t(c_.volume.size.y);
+            const Vec3f middle{float(i % nx) + 0.5f, float(i / nx % ny) + 0.5f, float(i / nx / ny) + 0.5f};
+            for (const Vec3f& light : kPilotLights) {
+                const Vec3d f(c_.medium.uncollided(middle, light).fraction);
+                uncollided += dot(f, f) / 3;
+            }
+        }
+        const double all = std::sqrt(collided) + std::sqrt(uncollided / double(count));
+        c_.weight = std::clamp(std::sqrt(collided) / (kLeastShare * all), 1e-6, 1.0);
+        return plain;
+    }
+
+    LateralFilter filterOf(double voxels) const {
+        return LateralFilter(c_.volume.size, c_.volume.voxelMm,
+                             voxels * std::min(c_.volume.voxelMm.x, c_.volume.voxelMm.y));
+    }
+
+    // The filter that asks for the fewest photons: a wide one takes noise away, but its bias (measured free of noise)
+    // leaves less of the error for noise.
+    void chooseFilter(StfTable& t, const std::vector<ReadGroups>& plain, double wanted) {
+        double signal = 0, noise = 0;
+        for (const ReadGroups& p : plain) {
+            signal += commonSquare(p.read);
+            noise += noiseSquare(p.read);
+        }
+        const double budget = (1 - kDirectionShare * kDirectionShare) * wanted * wanted;
+        double least = noise / budget;
+        for (std::size_t k = 0; k < std::size(kFilterVoxels) && signal > 0; ++k) {
+            double bias = 0, left = 0;
+            for (std::size_t job = 0; job < plain.size(); ++job) {
+                left += noiseSquare(filtered_[job][k]);
+                std::vector<std::vector<float>> difference = filtered_[job][k];
+                for (std::size_t g = 0; g < difference.size(); ++g) {
+                    for (std::size_t i = 0; i < difference[g].size(); ++i) {
+                        difference[g][i] -= plain[job].read[g][i];
+                    }
+                }
+                bias += commonSquare(difference);
+            }
+            const double squared = std::max(0.0, bias / signal), cost = left / (budget - squared);
+            if (squared < kFilterShare * kFilterShare * wanted * wanted && cost < least) {
+                least = cost;
+                c_.filter = filterOf(kFilterVoxels[k]);
+                t.error.filter = std::sqrt(squared) * c_.weight;
+            }
+        }
+    }
+
+    void tell(const StfTable& t) const {
+        if (t.error.total() > 1.1 * t.error.target && c_.medium.scatters()) {
+            std::ostringstream s;
+            s.precision(2);
+            s << "table error " << t.error.total() * 100 << " % stays above the target of " << t.error.target * 100
+              << " % (noise " << t.error.noise * 100 << ", directions " << t.error.directions * 100 << ", filter "
+              << t.error.filter * 100 << ", rank " << t.error.truncation * 100 << " %) at " << t.photons << " photons";
+            report(messages_, Severity::Info, s.str());
+        }
+        if (c_.walks.lost()) {
+            report(messages_, Severity::Warning,
+                   std::to_string(c_.walks.lost()) +
+                       " walks never ended (parallel to the layers in a void, or caught in a surface): dropped");
+        }
+    }
+
+    const MessageSink& messages_;
+    TileWalks c_;
+    std::vector<std::vector<std::vector<float>>> filtered_[2]; // of the pilots, by width
+};
 
 } // namespace
 
 std::string TransportOptions::key() const {
     std::ostringstream s;
-    s << "classic;v" << kAlgorithm << ";q" << quality << ";s" << seed << ";n" << maxPhotons << ";p" << polars << ";a"
-      << azimuths << (filter ? "" : ";unfiltered");
+    s << name(form) << ";v" << kAlgorithm << ";q" << quality << ";s" << seed << ";n" << maxPhotons << ";p" << polars
+      << ";a" << azimuths << (filter ? "" : ";unfiltered") << (openBottom ? ";open" : "");
     return s.str();
 }
 
@@ -132,135 +211,9 @@ StfTable precompute(const BaseVolume& input, const TransportOptions& options, Pr
     const auto start = std::chrono::steady_clock::now();
     const bool uniform = input.laterallyUniform();
     const BaseVolume column = uniform ? oneColumn(input) : BaseVolume();
-    const BaseVolume& volume = uniform ? column : input;
-    const WalkMedium medium(volume);
-
-    StfTable t;
-    t.size = volume.size;
-    t.voxelMm = volume.voxelMm;
-    const int azimuths = uniform ? 1 : options.azimuths > 0 ? options.azimuths : volume.hasRelief() ? 6 : 1;
-    t.directions = DirectionSet(options.polars, azimuths);
+    StfTable t = Precompute(uniform ? column : input, options, progress, messages).run();
     t.volumeHash = input.contentHash();
-    t.seed = options.seed;
-    const int directions = t.directions.count();
-    const std::size_t voxels = volume.voxelCount();
-    const std::size_t columns = std::size_t(t.size.x) * std::size_t(t.size.y);
-    t.multiple.assign(voxels * std::size_t(directions) * 3, 0.0f);
-    t.transmitted.assign(columns * std::size_t(directions) * 3, 0.0f);
-    t.direct = t.transmitted;
-    t.backlight.assign(voxels, Rgb(0.0f));
-    t.reflectedBelow.assign(columns, Rgb(0.0f));
-
-    const double voxelVolume = volume.voxelMm.x * volume.voxelMm.y * volume.voxelMm.z;
-    const double columnArea = volume.voxelMm.x * volume.voxelMm.y;
-    const double tileArea = columnArea * double(columns);
-
-    bool scatters = false;
-    for (std::size_t i = 0; i < voxels; ++i) {
-        scatters = scatters || maxComponent(volume.albedo[i] * volume.extinction[i]) > 0;
-    }
-
-    const LateralFilter filter = options.filter ? LateralFilter(volume) : LateralFilter(volume.size, volume.voxelMm, 0);
-    // A tile with more columns needs more photons for the same noise. The count is raised until the target is met; the
-    // first direction decides for all. The renderer's lookup averages over about 8 voxels of a tile, 2 of a column, and
-    // a march over several of those: a voxel may be that much noisier.
-    const double target = (columns > 1 ? 3.0 : 2.0) * double(options.quality);
-    std::uint64_t photons = std::min<std::uint64_t>(options.maxPhotons, std::max<std::uint64_t>(20000, columns * 8));
-    const auto sourceOf = [&](int d) {
-        WalkSource s;
-        s.kind = azimuths == 1 ? WalkSource::Kind::AnyAzimuth : WalkSource::Kind::Direction;
-        s.towardsLight = t.directions.direction(d);
-        return s;
-    };
-    if (scatters) {
-        Job pilot(medium, options, filter, progress, 1e30);
-        const double noise = relativeNoise(pilot.run(sourceOf(0), 1'000'000, photons));
-        const double wanted = double(photons) * std::max(1.0, noise * noise / (target * target)) * 1.1;
-        photons = std::uint64_t(std::min(wanted, double(options.maxPhotons)));
-        photons = (photons + kBatches - 1) / kBatches * kBatches;
-    }
-    t.photonsPerDirection = scatters ? photons : 0;
-
-    std::uint64_t lost = 0;
-    double worstNoise = 0;
-    Job job(medium, options, filter, progress, double(photons) * (directions + 1));
-    for (int d = 0; d < directions; ++d) {
-        const Vec3f light = t.directions.direction(d);
-        for (std::size_t c = 0; c < columns; ++c) {
-            Rgb direct(0.0f);
-            const int turns = azimuths == 1 && !uniform && d > 0 ? 8 : 1; // the average over azimuth, for flat tiles
-            for (int k = 0; k < turns; ++k) {
-                const float phi = 2 * 3.14159265f * float(k) / float(turns), s = std::sqrt(1 - light.z * light.z);
-                const Vec3f l = turns == 1 ? light : Vec3f(s * std::cos(phi), s * std::sin(phi), light.z);
-                direct += directThroughColumn(medium, int(c) % t.size.x, int(c) / t.size.x, l) / float(turns);
-            }
-            for (int k = 0; k < 3; ++k) {
-                t.direct[(c * std::size_t(directions) + std::size_t(d)) * 3 + std::size_t(k)] = direct[k];
-            }
-        }
-        Estimate e;
-        if (scatters) {
-            e = job.run(sourceOf(d), std::uint64_t(d), photons);
-            lost += e.total.lost;
-            worstNoise = std::max(worstNoise, relativeNoise(e));
-        } else {
-            progress.update("transport", double(d) / directions);
-        }
-        // A unit perpendicular irradiance brings the flux mu * area into the tile.
-        const double perPhoton = scatters ? double(light.z) * tileArea / double(e.total.photons) : 0;
-        std::vector<Rgb> fluence(scatters ? voxels : 0);
-        for (std::size_t i = 0; i < fluence.size(); ++i) {
-            for (int k = 0; k < 3; ++k) {
-                fluence[i][k] = float(e.total.collided[i * 3 + std::size_t(k)] * perPhoton / voxelVolume);
-            }
-        }
-        filter.apply(fluence);
-        for (std::size_t i = 0; i < fluence.size(); ++i) {
-            for (int k = 0; k < 3; ++k) {
-                t.multiple[(i * std::size_t(directions) + std::size_t(d)) * 3 + std::size_t(k)] = fluence[i][k];
-            }
-        }
-        for (std::size_t c = 0; c < columns; ++c) {
-            for (std::size_t k = 0; k < 3; ++k) {
-                const std::size_t at = (c * std::size_t(directions) + std::size_t(d)) * 3 + k;
-                const double below = scatters ? e.total.below[c * 3 + k] * perPhoton / columnArea : 0;
-                t.transmitted[at] = t.direct[at] + float(below);
-            }
-        }
-    }
-
-    // Backlight runs for an absorbing medium too: its uncollided part is not zero.
-    WalkSource below;
-    below.kind = WalkSource::Kind::DiffuseBelow;
-    const Estimate e = job.run(below, std::uint64_t(directions), std::max<std::uint64_t>(photons, 20000));
-    lost += e.total.lost;
-    const double perPhoton = 3.14159265358979 * tileArea / double(e.total.photons); // unit radiance: flux pi * area
-    for (std::size_t i = 0; i < voxels; ++i) {
-        for (int k = 0; k < 3; ++k) {
-            const std::size_t at = i * 3 + std::size_t(k);
-            t.backlight[i][k] = float((e.total.collided[at] + e.total.uncollided[at]) * perPhoton / voxelVolume);
-        }
-    }
-    filter.apply(t.backlight);
-    for (std::size_t c = 0; c < columns; ++c) {
-        for (int k = 0; k < 3; ++k) {
-            t.reflectedBelow[c][k] =
-                float(e.total.below[c * 3 + std::size_t(k)] * perPhoton / (columnArea * 3.14159265358979));
-        }
-    }
-
-    t.relativeError = worstNoise;
     t.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    if (worstNoise > 1.3 * target) {
-        std::ostringstream s;
-        s << "table noise " << worstNoise * 100 << " % per voxel stays above the target of " << target * 100
-          << " % at the limit of " << options.maxPhotons << " photons per direction";
-        report(messages, Severity::Info, s.str());
-    }
-    if (lost) {
-        report(messages, Severity::Warning,
-               std::to_string(lost) + " walks ran parallel to the layers in a void: dropped");
-    }
     return t;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "stfLib/base/error.h"
 #include "stfLib/base/progress.h"
 #include "stfLib/transport/stf_table.h"
 #include "stfLib/volume/base_volume.h"
@@ -8,21 +9,24 @@
 namespace stf {
 
 struct TransportOptions {
-    float quality = 0.02f; ///< wanted relative noise of the tables, after the renderer's lookup filter
+    /// Wanted relative error of the table as it is read: root mean square over voxels and directions (TableError).
+    float quality = 0.02f;
     std::uint64_t seed = 0;
-    std::uint64_t maxPhotons =
-        1'500'000;    ///< per direction and channel; reported where it keeps the noise above the target
-    int polars = 7;   ///< polar nodes below 90 degrees
-    int azimuths = 0; ///< 0: six where there is relief, else one (averaged over azimuth)
-    bool filter = true; ///< lateral filter against noise; off to measure its bias
+    TransportForm form = TransportForm::DE1;
+    bool openBottom = false; ///< the bottom is an interface to outside too, for slabs without a core
+    /// Photons of the whole table and channel; reported where it keeps the error above the target.
+    std::uint64_t maxPhotons = 60'000'000;
+    int polars = 0;     ///< polar nodes below 90 degrees; 0: chosen
+    int azimuths = 0;   ///< azimuths of each ring, 1 or even; 0: chosen
+    bool filter = true; ///< lateral filter against noise, as wide as its bias allows
 
     /// Names these options and the version of the algorithm; with the volume's hash, the key of a cached table.
     std::string key() const;
 };
 
-/// Computes the table of a volume by walks through the periodic tile: I_m and bottom irradiance for every direction,
-/// backlight and reflectance from below. The result does not depend on the number of threads. Progress is in photons.
-/// Throws Cancelled.
+/// Computes the table of a volume by walks through the periodic tile. Directions, filter, rank and photons are chosen
+/// from the wanted error by pilot walks, and walks go on until the estimated error is met. The result does not depend
+/// on the number of threads. Progress is the share of the photons. Throws Error on bad volumes, Cancelled.
 StfTable precompute(const BaseVolume& volume, const TransportOptions& options, Progress& progress,
                     const MessageSink& messages);
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "stfLib/transport/precompute.h"
-
+#include "tests/unit/support/chi_square.h"
 #include "tests/unit/support/files.h"
 #include "tests/unit/transport/walks.h"
 
@@ -9,34 +8,19 @@ using namespace stf::test;
 
 namespace {
 
-StfTable table(const BaseVolume& v, std::uint64_t seed, std::uint64_t photons, int polars = 1) {
-    TransportOptions options;
-    options.seed = seed;
-    options.quality = 1e-6f; // as many photons as allowed
-    options.maxPhotons = photons;
-    options.polars = polars;
-    Progress progress;
-    return precompute(v, options, progress, {});
-}
+constexpr int kLayers = 100;
 
-// I_m for normal light and I_b / 2 pi of a voxel, of one table.
-double multiple(const StfTable& t, std::size_t voxel) {
-    return double(t.multiple[voxel * 3]);
-}
-double backlight(const StfTable& t, std::size_t voxel) {
-    return double(t.backlight[voxel].x) / (2 * kPi);
-}
-
-// Compares with the rows of a profile computed by adding-doubling. A voxel knows the mean of its layer: at a row's
-// depth it differs by h^2 / 24 f'' (h^2 / 6 f'' for the mean of two), which is estimated from the rows and allowed for.
-void expectProfile(const nlohmann::json& profile, int layers, int tables, std::uint64_t photons) {
-    const double tau = profile["tau"], albedo = profile["albedo"], g = profile["g"], h = tau / layers;
+// Compares with the rows of a profile computed by adding-doubling: I_s and I_m of normal light, I_b / 2 pi of unit
+// radiance from below. A voxel knows the mean of its layer: at a row's depth it differs by h^2 / 24 f'' (h^2 / 6 f''
+// for the mean of two), which is estimated from the rows and allowed for.
+void expectProfile(const nlohmann::json& profile, std::uint64_t photons, ChiSquare& chi) {
+    const double tau = profile["tau"], albedo = profile["albedo"], g = profile["g"], h = tau / kLayers;
     SCOPED_TRACE("albedo " + std::to_string(albedo) + ", g " + std::to_string(g));
-    const BaseVolume v = homogeneous({1, 1, layers}, {1, 1, h}, Rgb(1.0f), Rgb(float(albedo)), float(g));
-    std::vector<StfTable> all;
-    for (int k = 0; k < tables; ++k) {
-        all.push_back(table(v, std::uint64_t(k), photons));
-    }
+    const TileMedium medium =
+        trueMedium(homogeneous({1, 1, kLayers}, {1, 1, h}, Rgb(1.0f), Rgb(float(albedo)), float(g)));
+    const auto top = walkBatches(medium, normalLight(), 32, photons, fluenceRequest(0, 1 + std::uint64_t(chi.count())));
+    const auto below = walkBatches(medium, diffuse(WalkSource::Kind::DiffuseBelow), 32, photons,
+                                   fluenceRequest(0, 2 + std::uint64_t(chi.count())));
     const auto& rows = profile["rows"];
     int compared = 0;
     for (std::size_t i = 1; i + 1 < rows.size(); ++i) {
@@ -45,106 +29,83 @@ void expectProfile(const nlohmann::json& profile, int layers, int tables, std::u
             continue;
         }
         // The two voxels that meet here, or twice the same.
-        const std::size_t above = std::size_t(std::lround(std::ceil(depth / h - 1 - 1e-6)));
-        const std::size_t below = std::size_t(std::lround(std::floor(depth / h + 1e-6)));
-        const auto check = [&](const char* key, double (*value)(const StfTable&, std::size_t)) {
+        const std::size_t upper = std::size_t(std::lround(std::ceil(depth / h - 1 - 1e-6)));
+        const std::size_t lower = std::size_t(std::lround(std::floor(depth / h + 1e-6)));
+        const auto check = [&](const char* key, const std::vector<WalkTally>& batches, auto&& fluence) {
             SCOPED_TRACE(std::string(key) + " at " + std::to_string(depth));
             const auto row = [&](std::size_t k) { return rows[k][key].get<double>(); };
             const double bend = 2 *
                                 ((row(i + 1) - row(i)) / (after - depth) - (row(i) - row(i - 1)) / (depth - before)) /
                                 (after - before);
-            const Estimate e =
-                estimate(all, [&](const StfTable& t) { return 0.5 * (value(t, above) + value(t, below)); });
-            EXPECT_TRUE(agrees(e, row(i), 0.01, std::abs(bend) * h * h / 4));
+            std::vector<double> values;
+            for (const WalkTally& b : batches) {
+                values.push_back(0.5 * (fluence(b, upper) + fluence(b, lower)) / (double(b.photons) * h));
+            }
+            EXPECT_TRUE(agrees(estimate(values), row(i), 0.04, std::abs(bend) * h * h / 4));
+            return values;
         };
-        check("I_m", multiple);
-        check("I_b", backlight);
+        check("I_s", top, [](const WalkTally& t, std::size_t z) { return t.uncollided[z * 3]; });
+        const auto m = check("I_m", top, [](const WalkTally& t, std::size_t z) { return t.collided[z * 3]; });
+        // The flux pi of unit radiance, over 2 pi.
+        check("I_b", below,
+              [](const WalkTally& t, std::size_t z) { return 0.5 * (t.collided[z * 3] + t.uncollided[z * 3]); });
+        chi.add({m}, {rows[i]["I_m"].get<double>()});
         ++compared;
     }
     EXPECT_GE(compared, 9);
 }
 
-TEST(Fluence, ThinIsotropicSlab) {
-    expectProfile(reference("slab_cases.json")["internal_fluence"][0], 100, 32, 8000);
-}
-
-TEST(Fluence, ThickIsotropicSlab) {
-    expectProfile(reference("slab_cases.json")["internal_fluence"][1], 100, 32, 4000);
-}
-
-TEST(Fluence, ForwardScatteringSlab) {
-    expectProfile(reference("slab_cases.json")["internal_fluence"][2], 100, 32, 4000);
+TEST(Fluence, ProfilesOfSlabs) {
+    ChiSquare chi;
+    const nlohmann::json data = reference("slab_cases.json");
+    expectProfile(data["internal_fluence"][0], 16000, chi);
+    expectProfile(data["internal_fluence"][1], 3000, chi);
+    expectProfile(data["internal_fluence"][2], 3000, chi);
 }
 
 TEST(Fluence, FirstAndLastLayersLieWithinTheProfile) {
     const nlohmann::json data = reference("slab_cases.json");
     const auto& rows = data["internal_fluence"][1]["rows"]; // tau 5, first rows at 0 and 0.05
-    const BaseVolume v = homogeneous({1, 1, 100}, {1, 1, 0.05}, Rgb(1.0f), Rgb(0.99f));
-    std::vector<StfTable> all;
-    for (std::uint64_t k = 0; k < 16; ++k) {
-        all.push_back(table(v, 100 + k, 8000));
-    }
-    const Estimate top = estimate(all, [](const StfTable& t) { return multiple(t, 0); });
-    EXPECT_LT(top.sigma, 0.01 * top.mean);
-    EXPECT_GT(top.mean, rows[0]["I_m"].get<double>() - 4 * top.sigma);
-    EXPECT_LT(top.mean, rows[1]["I_m"].get<double>() + 4 * top.sigma);
-    const Estimate bottom = estimate(all, [](const StfTable& t) { return backlight(t, 99); });
-    EXPECT_LT(bottom.sigma, 0.01 * bottom.mean);
-    EXPECT_GT(bottom.mean, rows[13]["I_b"].get<double>() - 4 * bottom.sigma);
-    EXPECT_LT(bottom.mean, rows[14]["I_b"].get<double>() + 4 * bottom.sigma);
+    const TileMedium medium = trueMedium(homogeneous({1, 1, 100}, {1, 1, 0.05}, Rgb(1.0f), Rgb(0.99f)));
+    const auto expectBetween = [&](const char* key, WalkSource::Kind kind, std::size_t a, std::size_t b,
+                                   auto&& fluence) {
+        const Estimate e = estimate(walkBatches(medium, diffuse(kind), 32, 4000),
+                                    [&](const WalkTally& t) { return fluence(t) / (double(t.photons) * 0.05); });
+        EXPECT_LT(e.sigma, 0.015 * e.mean);
+        EXPECT_GT(e.mean, rows[a][key].get<double>() - 4 * e.sigma);
+        EXPECT_LT(e.mean, rows[b][key].get<double>() + 4 * e.sigma);
+    };
+    expectBetween("I_m", WalkSource::Kind::Direction, 0, 1, [](const WalkTally& t) { return t.collided[0]; });
+    expectBetween("I_b", WalkSource::Kind::DiffuseBelow, 13, 14,
+                  [](const WalkTally& t) { return 0.5 * (t.collided[99 * 3] + t.uncollided[99 * 3]); });
 }
 
-TEST(Fluence, FurnaceOfTheTablesDirections) {
-    // Conservative and index-matched: uniform radiance from above, summed over the table's directions, plus backlight
-    // gives 4 pi at every depth. 18 polar nodes interpolate to 0.8 % (THEORY, sampling sizes).
-    const int layers = 16;
-    const double tau = 2, h = tau / layers;
-    const BaseVolume v = homogeneous({1, 1, layers}, {1, 1, h}, Rgb(1.0f), Rgb(1.0f));
-    std::vector<StfTable> all;
-    for (std::uint64_t k = 0; k < 8; ++k) {
-        all.push_back(table(v, 200 + k, 4000, 18));
-    }
-    const int steps = 2000;
-    for (int z = 0; z < layers; ++z) {
-        const Estimate e = estimate(all, [&](const StfTable& t) {
-            double sum = double(t.backlight[std::size_t(z)].x);
-            for (int i = 0; i < steps; ++i) {
-                const double theta = 0.5 * kPi * (i + 0.5) / steps, s = std::sin(theta), c = std::cos(theta);
-                const double dw = 2 * kPi * s * 0.5 * kPi / steps;
-                const double im = double(t.multipleAt(std::size_t(z), t.directions.weights({float(s), 0, float(c)})).x);
-                // Uncollided, averaged over the layer.
-                const double a = z * h / c, b = h / c;
-                sum += dw * (im + std::exp(-a) * -std::expm1(-b) / b);
+// Net flux down a slab falls by what is absorbed: F(z) = -(T + A below z), and by nothing where nothing is.
+TEST(Fluence, NetFluxIsWhatIsAbsorbedBelowOrLeaves) {
+    for (double n : {1.0, 1.5}) {
+        BaseVolume v = homogeneous({1, 1, 10}, {1, 1, 0.3}, Rgb(1.0f), Rgb(0.9f), 0.4f);
+        v.ior.assign(v.voxelCount(), float(n));
+        const TileMedium medium = trueMedium(v, true);
+        WalkRequest request = fluenceRequest();
+        request.flux = true;
+        const auto batches = walkBatches(medium, obliqueLight(0.6), 64, 3000, request);
+        for (std::size_t z : {std::size_t(0), std::size_t(4), std::size_t(9)}) {
+            std::vector<double> values;
+            for (const WalkTally& b : batches) {
+                double down = transmittance(b), track = 0;
+                for (std::size_t k = z; k < 10; ++k) {
+                    // kappa (1 - a) times the fluence: half of the layer's own.
+                    track += (k == z ? 0.5 : 1) * (b.collided[k * 12] + b.uncollided[k * 12]);
+                }
+                down += 0.1 * track / double(b.photons);
+                const double flux = (b.collided[z * 12 + 3] + b.uncollided[z * 12 + 3]) / (0.3 * double(b.photons));
+                values.push_back(down + flux);
             }
-            return sum;
-        });
-        EXPECT_TRUE(agrees(e, 4 * kPi, 0.005, 0.008 * 4 * kPi)) << "layer " << z;
-    }
-}
-
-TEST(Fluence, ReflectedBelowOfAThickSlab) {
-    // Half infinite to 1e-7: the spherical albedo of the H function's table.
-    for (double albedo : {0.5, 0.9}) {
-        const double expected = reference("hfunc.json")["table"][albedo == 0.5 ? "0.5" : "0.9"]["R_sph"];
-        const BaseVolume v = homogeneous({1, 1, 10}, {1, 1, 2}, Rgb(1.0f), Rgb(float(albedo)));
-        std::vector<StfTable> all;
-        for (std::uint64_t k = 0; k < 32; ++k) {
-            all.push_back(table(v, 300 + k, 1000));
+            const Estimate e = estimate(values);
+            EXPECT_LT(e.sigma, 0.004);
+            EXPECT_LE(std::abs(e.mean), 4 * e.sigma + 1e-3) << "layer " << z << ", n " << n; // bend within the layer
         }
-        EXPECT_TRUE(agrees(estimate(all, [](const StfTable& t) { return double(t.reflectedBelow[0].x); }), expected));
     }
-}
-
-TEST(Fluence, TransmittedOfASlab) {
-    // tau 5, albedo 0.99, g 0.5 of the reference cases; normal light, perpendicular irradiance 1.
-    const BaseVolume v = homogeneous({1, 1, 5}, {1, 1, 1}, Rgb(1.0f), Rgb(0.99f), 0.5f);
-    std::vector<StfTable> all;
-    for (std::uint64_t k = 0; k < 32; ++k) {
-        all.push_back(table(v, 400 + k, 4000));
-    }
-    EXPECT_TRUE(agrees(estimate(all, [](const StfTable& t) { return double(t.transmitted[0]); }), 0.3826006));
-    EXPECT_NEAR(double(all[0].direct[0]), std::exp(-5), 1e-7);
-    EXPECT_TRUE(agrees(estimate(all, [](const StfTable& t) { return double(t.reflectedBelow[0].x); }), 0.6092368));
 }
 
 } // namespace

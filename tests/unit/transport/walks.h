@@ -5,16 +5,51 @@
 #include "tests/unit/support/statistics.h"
 #include "tests/unit/volume/volumes.h"
 
+#include <string>
+
 namespace stf::test {
 
 constexpr double kPi = 3.14159265358979323846;
 
-/// Independent batches of walks of one source.
-inline std::vector<WalkTally> walkBatches(const WalkMedium& medium, const WalkSource& source, int batches,
-                                          std::uint64_t photonsPerBatch, std::uint64_t seed = 1) {
+/// What most tests ask of walks: fluence before and after the first collision. The caller sets count, first and seed.
+inline WalkRequest fluenceRequest(std::uint64_t photons = 0, std::uint64_t seed = 1) {
+    WalkRequest r;
+    r.seed = seed;
+    r.count = photons;
+    r.uncollided = true;
+    return r;
+}
+/// Totals alone.
+inline WalkRequest totalsRequest(std::uint64_t photons = 0, std::uint64_t seed = 1) {
+    WalkRequest r;
+    r.seed = seed;
+    r.count = photons;
+    r.voxels = false;
+    return r;
+}
+
+/// The volume in its true medium.
+inline TileMedium trueMedium(const BaseVolume& v, bool openBottom = false) {
+    return TileMedium(v, TransportForm::Classic, openBottom);
+}
+
+inline WalkTally walkOnce(const TileMedium& medium, const WalkSource& source, const WalkRequest& request) {
     const Progress progress;
+    return walk(medium, source, request, progress);
+}
+inline WalkTally walkOnce(const TileMedium& medium, const WalkSource& source, std::uint64_t photons,
+                          std::uint64_t seed = 1) {
+    return walkOnce(medium, source, fluenceRequest(photons, seed));
+}
+
+/// Independent batches of walks of one source.
+inline std::vector<WalkTally> walkBatches(const TileMedium& medium, const WalkSource& source, int batches,
+                                          std::uint64_t photonsPerBatch, WalkRequest request = fluenceRequest()) {
     return runBatches(batches, [&](int b) {
-        return medium.walk(source, seed, 0, std::uint64_t(b) * photonsPerBatch, photonsPerBatch, progress);
+        WalkRequest mine = request;
+        mine.first = std::uint64_t(b) * photonsPerBatch;
+        mine.count = photonsPerBatch;
+        return walkOnce(medium, source, mine);
     });
 }
 
@@ -24,6 +59,12 @@ inline WalkSource normalLight() {
 inline WalkSource diffuse(WalkSource::Kind kind) {
     WalkSource s;
     s.kind = kind;
+    return s;
+}
+/// Parallel light at a cosine to the normal, from +x.
+inline WalkSource obliqueLight(double mu, WalkSource::Kind kind = WalkSource::Kind::Direction) {
+    WalkSource s = diffuse(kind);
+    s.towardsLight = Vec3f(float(std::sqrt(1 - mu * mu)), 0, float(mu));
     return s;
 }
 
@@ -61,10 +102,17 @@ inline double expIntegral(int n, double x) {
     return sum;
 }
 
-/// Relative bookkeeping error: what came in, went out or stayed. Weights are floats, so a few 1e-8 are rounding.
+/// Relative bookkeeping error: what came in, went out, stayed or was taken by roulette.
 constexpr double kRounding = 2e-7;
 inline double imbalance(const WalkTally& t, int c = 0) {
-    return std::abs(reflectance(t, c) + transmittance(t, c) + absorptance(t, c) - 1);
+    return std::abs(reflectance(t, c) + transmittance(t, c) + absorptance(t, c) + t.roulette[c] / double(t.photons) -
+                    1);
+}
+
+/// Standard error of a total, from the squares of what each photon gave.
+inline double standardError(double sum, double squares, std::uint64_t photons) {
+    const double n = double(photons), mean = sum / n;
+    return std::sqrt(std::max(0.0, squares / n - mean * mean) / n);
 }
 
 } // namespace stf::test
