@@ -51,6 +51,10 @@ VtValue _InRange(TfToken const& key, VtValue const& value) {
         const float quality = value.UncheckedGet<float>();
         return quality > 0 && std::isfinite(quality) ? value : VtValue();
     }
+    if (key == HdStfRenderSettingsTokens->transport) {
+        std::string const& form = value.UncheckedGet<std::string>();
+        return form == "dE1" || form == "classic" ? value : VtValue();
+    }
     if (key == HdStfRenderSettingsTokens->stageMetersPerUnit) {
         const double meters = value.UncheckedGet<double>();
         return meters > 0 && std::isfinite(meters) ? value : VtValue();
@@ -67,19 +71,23 @@ HdRenderSettingDescriptorList HdStfMakeSettingDescriptors() {
         {"Seed", HdStfRenderSettingsTokens->seed, VtValue(static_cast<int>(_EnvNumber("HDSTF_SEED", 0)))},
         {"Target error of the tables", HdStfRenderSettingsTokens->quality,
          VtValue(static_cast<float>(_EnvNumber("HDSTF_QUALITY", 0.02)))},
+        {"Form of transport (dE1, classic)", HdStfRenderSettingsTokens->transport,
+         VtValue(TfGetenv("HDSTF_TRANSPORT", "dE1"))},
         {"Threads (0 = all cores)", HdStfRenderSettingsTokens->threads,
          VtValue(static_cast<int>(_EnvNumber("HDSTF_THREADS", 0)))},
         {"Metres per scene unit", HdStfRenderSettingsTokens->stageMetersPerUnit,
          VtValue(_EnvNumber("HDSTF_STAGE_METERS_PER_UNIT", 0.01))},
     };
     // The environment obeys the same ranges as everybody.
-    const float qualityDefault = 0.02f;
-    const double metersDefault = 0.01;
     for (HdRenderSettingDescriptor& descriptor : list) {
-        const VtValue value = _InRange(descriptor.key, descriptor.defaultValue);
-        descriptor.defaultValue = !value.IsEmpty()                                       ? value
-                                  : descriptor.key == HdStfRenderSettingsTokens->quality ? VtValue(qualityDefault)
-                                                                                         : VtValue(metersDefault);
+        if (_InRange(descriptor.key, descriptor.defaultValue).IsEmpty()) {
+            descriptor.defaultValue = descriptor.key == HdStfRenderSettingsTokens->quality ? VtValue(0.02f)
+                                      : descriptor.key == HdStfRenderSettingsTokens->transport
+                                          ? VtValue(std::string("dE1"))
+                                          : VtValue(0.01);
+        } else {
+            descriptor.defaultValue = _InRange(descriptor.key, descriptor.defaultValue);
+        }
     }
     return list;
 }

@@ -4,6 +4,7 @@
 #include "stfLib/base/parallel.h"
 #include "stfLib/base/sampler.h"
 #include "stfLib/core/core_solver.h"
+#include "stfLib/optics/fresnel.h"
 #include "stfLib/render/shell_march.h"
 #include "stfLib/transport/lateral_filter.h"
 #include "stfLib/transport/tile_tracer.h"
@@ -59,33 +60,41 @@ T blend(const std::vector<T>& values, const Vec3i& t, float b1, float b2) {
     return values[std::size_t(t.x)] * (1 - b1 - b2) + values[std::size_t(t.y)] * b1 + values[std::size_t(t.z)] * b2;
 }
 
-// What the shell lets through and sends back, by column, blurred to the size of a core sample: one column's value holds
-// only the few walks that left there, and the core mixes them anyway.
+// What the shell lets through, sends back and shines downward, by column, blurred to the size of a core sample: one
+// column's value holds only the few walks that left there, and the core mixes them anyway.
 struct ColumnMaps {
     std::vector<Rgb> reflected;                        ///< [column], below 1 so that the balance converges
+    std::vector<Rgb> emitted;                          ///< [column]; empty: none
     std::vector<std::vector<Rgb>> transmitted, direct; ///< [direction][column]
 
-    ColumnMaps(const StfTable& table, double sigmaMm) : reflected(table.reflectedBelow) {
+    ColumnMaps(const StfTable& table, double sigmaMm) : reflected(table.reflectedBelow), emitted(table.emittedBelow) {
+        const std::size_t columns = std::size_t(table.size.x) * std::size_t(table.size.y);
         const LateralFilter filter(table.size, table.voxelMm, sigmaMm);
+        reflected.resize(columns);
         filter.apply(reflected);
         for (Rgb& r : reflected) {
             for (int c = 0; c < 3; ++c) {
                 r[c] = std::clamp(r[c], 0.0f, 0.9999f);
             }
         }
-        const auto slices = [&](const std::vector<float>& values) {
-            const std::size_t n = std::size_t(table.directions.count());
-            std::vector<std::vector<Rgb>> maps(n, std::vector<Rgb>(reflected.size()));
-            for (std::size_t i = 0; i < reflected.size() * n; ++i) {
-                maps[i % n][i / n] = {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
-            }
-            for (std::vector<Rgb>& map : maps) {
+        if (!emitted.empty()) {
+            emitted.resize(columns);
+            filter.apply(emitted);
+        }
+        const auto slices = [&](const FactoredField& field) {
+            std::vector<std::vector<Rgb>> maps(std::size_t(table.directions.count()), std::vector<Rgb>(columns));
+            const std::size_t known = std::min(columns, field.items());
+            for (int d = 0; d < std::min(table.directions.count(), field.directions); ++d) {
+                std::vector<Rgb>& map = maps[std::size_t(d)];
+                for (std::size_t i = 0; i < known; ++i) {
+                    map[i] = {field.node(i, d, 0), field.node(i, d, 1), field.node(i, d, 2)};
+                }
                 filter.apply(map);
             }
             return maps;
         };
-        transmitted = slices(table.transmitted);
-        direct = slices(table.direct);
+        transmitted = slices(table.transmitted.get());
+        direct = slices(table.direct.get());
     }
 
     static Rgb blend(const std::vector<std::vector<Rgb>>& maps, std::size_t column, const DirectionWeights& w) {
@@ -105,9 +114,9 @@ ShellLookup frameAt(const ShellObject& o, std::size_t triangle, float b1, float 
     at.exemplar = blend(o.map.cornerCoords, c, b1, b2);
     at.gradX = blend(o.map.gradientX, c, b1, b2);
     at.gradY = blend(o.map.gradientY, c, b1, b2);
-    at.normal = normalize(o.surface.cornerNormals.empty()
-                              ? blend(o.surface.normals, o.surface.triangles[triangle], b1, b2)
-                              : blend(o.surface.cornerNormals, c, b1, b2));
+    at.normal =
+        normalize(o.surface.cornerNormals.empty() ? blend(o.surface.normals, o.surface.triangles[triangle], b1, b2)
+                                                  : blend(o.surface.cornerNormals, c, b1, b2));
     return at;
 }
 
@@ -172,6 +181,11 @@ std::vector<Rgb> coreRadiance(const ShellObject& o, const Transform& objectToWor
             const int iy = TileTracer::wrap(int(std::floor(frame.exemplar.y / float(o.volume->voxelMm.y))), size.y);
             const std::size_t column = std::size_t(ix) + std::size_t(size.x) * std::size_t(iy);
             s.shellReflectance[i] = maps.reflected[column];
+            if (!maps.emitted.empty()) {
+                s.diffuse[i] += maps.emitted[column];
+            }
+            const TileFrame tile(frame);
+            const float ior = o.medium->ior(topOfTile(o, frame.exemplar));
 
             const Vec3f worldNormal = normalize(Vec3f(objectToWorld.normal(Vec3d(frame.normal))));
             for (std::size_t l = 0; l < lights.count(); ++l) {
@@ -181,7 +195,7 @@ std::vector<Rgb> coreRadiance(const ShellObject& o, const Transform& objectToWor
                     const Vec2f u = sampler.next2d(), v = sampler.next2d();
                     const LightSample light = lights.sample(l, worldNormal, u);
                     const Vec3f towards = normalize(Vec3f(worldToObject.vector(Vec3d(light.towards))));
-                    const Vec3f local = toTileFrame(frame, towards);
+                    const Vec3f local = tile.toTile(towards);
                     if (!(local.z > 0) || !(maxComponent(light.irradiance) > 0)) {
                         continue;
                     }
@@ -198,11 +212,14 @@ std::vector<Rgb> coreRadiance(const ShellObject& o, const Transform& objectToWor
                     const Rgb all = ColumnMaps::blend(maps.transmitted, column, w);
                     const Rgb direct = ColumnMaps::blend(maps.direct, column, w);
                     const Rgb in = light.irradiance / float(n);
+                    // The core has the index of the shell: what has not collided arrives at the refracted angle. Its
+                    // share is that of the table's own, scaled medium (DESIGN 3.10).
+                    const double cosine = double(fresnel(local.z, ior).cosT);
                     s.diffuse[i] += in * (all - direct);
                     for (int c = 0; c < 3; ++c) {
                         const double diffuse = dipoles[c].diffuseAlbedo();
                         if (diffuse > 0) {
-                            const double ratio = dipoles[c].directAlbedo(double(local.z)) / diffuse;
+                            const double ratio = dipoles[c].directAlbedo(cosine) / diffuse;
                             s.direct[i][c] += in[c] * direct[c] * float(ratio);
                         }
                     }

@@ -27,6 +27,7 @@ constexpr AovInfo kAovs[] = {
     {"stf:single", Aov::StfSingle, 3},
     {"stf:multiple", Aov::StfMultiple, 3},
     {"stf:core", Aov::StfCore, 3},
+    {"stf:reflection", Aov::StfReflection, 3},
 };
 
 const AovInfo& info(Aov aov) {
@@ -82,6 +83,7 @@ void Film::add(int x, int y, const PixelSample& s) {
     a.single += Vec3d(s.single);
     a.multiple += Vec3d(s.multiple);
     a.core += Vec3d(s.core);
+    a.reflection += Vec3d(s.reflection);
     a.alpha += double(s.alpha);
     ++a.count;
 }
@@ -139,6 +141,9 @@ std::vector<float> Film::read(Aov aov) const {
             break;
         case Aov::StfCore:
             put(Rgb(a.core * inv));
+            break;
+        case Aov::StfReflection:
+            put(Rgb(a.reflection * inv));
             break;
         case Aov::PrimId:
         case Aov::InstanceId:

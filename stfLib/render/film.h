@@ -26,7 +26,8 @@ enum class Aov {
     Variance, ///< variance of the pixel's mean colour, rgb
     StfSingle,
     StfMultiple,
-    StfCore
+    StfCore,
+    StfReflection
 };
 
 /// Token to Aov; false for a name that is not known.
@@ -39,6 +40,7 @@ struct PixelSample {
     Rgb color{0.0f};
     float alpha = 0;
     Rgb single{0.0f}, multiple{0.0f}, core{0.0f};
+    Rgb reflection{0.0f}; ///< seen in the shell's surface, of whatever kind it is
 };
 
 /// What is seen through the middle of a pixel, written by the first sample.
@@ -71,7 +73,7 @@ public:
 
 private:
     struct Accumulator {
-        Vec3d color, colorSquared, single, multiple, core;
+        Vec3d color, colorSquared, single, multiple, core, reflection;
         double alpha = 0;
         std::uint32_t count = 0;
     };

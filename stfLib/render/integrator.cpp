@@ -17,9 +17,21 @@ constexpr int kDomeDirections = 4;
 constexpr int kDistantDirections = 2;
 const Rgb kDefaultColor(0.5f);
 
+/// A mirrored path whose throughput is below this takes part in surfaces only with the chance that makes up for it.
+constexpr float kFaint = 0.25f;
+
 template<class T>
 T blend(const std::vector<T>& v, const Vec3i& t, float u, float w) {
     return v[std::size_t(t.x)] * (1 - u - w) + v[std::size_t(t.y)] * u + v[std::size_t(t.z)] * w;
+}
+
+// Normal of the smooth surface, object space, not normalised.
+Vec3f smoothNormal(const RefinedSurface& s, const RayHit& hit) {
+    if (!s.cornerNormals.empty()) {
+        const int c = int(3 * hit.triangle);
+        return blend(s.cornerNormals, {c, c + 1, c + 2}, hit.u, hit.v);
+    }
+    return blend(s.normals, s.triangles[hit.triangle], hit.u, hit.v);
 }
 
 } // namespace
@@ -35,11 +47,6 @@ bool Integrator::occluded(const Vec3f& origin, const Vec3f& direction) {
 Integrator::Surfel Integrator::surfelAt(const PreparedInstance& instance, const Ray& ray, const RayHit& hit) const {
     const RefinedSurface& s = *instance.mesh->surface;
     const Vec3i& t = s.triangles[hit.triangle];
-    Vec3f normal = blend(s.normals, t, hit.u, hit.v);
-    if (!s.cornerNormals.empty()) {
-        const int c = int(3 * hit.triangle);
-        normal = blend(s.cornerNormals, {c, c + 1, c + 2}, hit.u, hit.v);
-    }
     const Vec3f p = blend(s.points, t, hit.u, hit.v);
     // Shadow rays start from the smooth surface, else facets show at the terminator (Hanika 2021, "Hacking the shadow
     // terminator", Ray Tracing Gems II): the mean of the projections onto the corners' tangent planes.
@@ -51,7 +58,7 @@ Integrator::Surfel Integrator::surfelAt(const PreparedInstance& instance, const 
     }
     Surfel out;
     out.point = ray.origin + ray.direction * hit.t;
-    out.normal = normalize(Vec3f(instance.objectToWorld.normal(Vec3d(normal))));
+    out.normal = normalize(Vec3f(instance.objectToWorld.normal(Vec3d(smoothNormal(s, hit)))));
     out.objectPoint = p;
     out.shadowOrigin = lifted;
     out.albedo = s.colors.empty() ? kDefaultColor : blend(s.colors, t, hit.u, hit.v);
@@ -77,12 +84,18 @@ Rgb Integrator::shadePlain(const PreparedInstance& instance, const Surfel& surfe
     return surfel.albedo * sum / kPi;
 }
 
-ShellRadiance Integrator::shadeShell(const PreparedInstance& instance, const Surfel& surfel, const Ray& ray,
+ShellMarch& Integrator::marchOf(const PreparedInstance& instance) {
+    std::unique_ptr<ShellMarch>& march = marches_[std::size_t(&instance - scene_.instances.data())];
+    if (!march) {
+        march =
+            std::make_unique<ShellMarch>(*instance.mesh->shell, instance.core.empty() ? nullptr : instance.core.data());
+    }
+    return *march;
+}
+
+ShellRadiance Integrator::shadeShell(const PreparedInstance& instance, const Surfel& surfel, const Vec3f& direction,
                                      PixelSampler& sampler) {
     const ShellObject& shell = *instance.mesh->shell;
-    const Vec3f scaled(instance.worldToObject.vector(Vec3d(ray.direction)));
-    const float scale = length(scaled);
-    const Vec3f direction = scaled / scale;
     const Vec3f objectNormal = normalize(Vec3f(instance.worldToObject.normal(Vec3d(surfel.normal))));
     const float offset = 1e-3f * shell.grid.voxelSize();
 
@@ -119,54 +132,127 @@ ShellRadiance Integrator::shadeShell(const PreparedInstance& instance, const Sur
         }
     }
 
-    std::unique_ptr<ShellMarch>& march = marches_[std::size_t(&instance - scene_.instances.data())];
-    if (!march) {
-        march = std::make_unique<ShellMarch>(shell, instance.core.empty() ? nullptr : instance.core.data());
-    }
     ++rays_;
-    ShellRadiance r = march->march(surfel.objectPoint, direction, lights, count, sampler);
-    r.tExit /= scale;
-    return r;
+    return marchOf(instance).march(surfel.objectPoint, direction, lights, count, sampler);
+}
+
+Ray Integrator::leaveShell(const PreparedInstance& instance, const Surfel& entry, const Vec3f& direction,
+                           const ShellRadiance& through, float& share) {
+    const RefinedSurface& s = *instance.mesh->surface;
+    const RayHit& exit = through.exit;
+    const Vec3f normal = normalize(smoothNormal(s, exit)), point = entry.objectPoint + direction * through.tExit;
+    const float ior = marchOf(instance).iorAt(point);
+    // What is reflected there goes on inside the shell: it is dropped, as are rays that are reflected altogether.
+    const SurfaceCrossing out = crossSurface(direction, -normal, -exit.geometricNormal, 1 / ior);
+    share = 1 - out.reflectance;
+    const Vec3f worldNormal = normalize(Vec3f(instance.objectToWorld.normal(Vec3d(normal))));
+    Ray ray;
+    ray.direction = normalize(Vec3f(instance.objectToWorld.vector(Vec3d(out.refracted))));
+    ray.origin = Vec3f(instance.objectToWorld.point(Vec3d(point))) + worldNormal * scene_.shadowOffset;
+    return ray;
 }
 
 PixelSample Integrator::sample(Ray ray, PixelSampler& sampler) {
     PixelSample out;
     Rgb throughput(1.0f);
+    bool mirrored = false; // the path has been reflected: the rest of it is what is seen in a shell's surface
     for (int surface = 0; surface < kMaxSurfaces; ++surface) {
         RayHit hit;
         ++rays_;
         if (!scene_.rays->intersect(ray, hit)) {
+            // The clear colour is a backdrop, not a light: no surface mirrors it.
             const bool dome = scene_.lights.hasDome();
-            out.color += throughput * (dome ? scene_.lights.background(ray.direction) : scene_.clearColor);
-            out.alpha += average(throughput) * (dome ? 1.0f : scene_.clearAlpha);
+            const Rgb behind = dome       ? scene_.lights.background(ray.direction)
+                               : mirrored ? Rgb(0.0f)
+                                          : scene_.clearColor;
+            out.color += throughput * behind;
+            if (mirrored) {
+                out.reflection += throughput * behind;
+            } else {
+                out.alpha += average(throughput) * (dome ? 1.0f : scene_.clearAlpha);
+            }
             return out;
+        }
+        if (const float chance = maxComponent(throughput) / kFaint; mirrored && chance < 1) {
+            if (!(sampler.next1d() < chance)) {
+                return out;
+            }
+            throughput /= chance;
         }
         const PreparedInstance& instance = scene_.instances[hit.instance];
         const Surfel surfel = surfelAt(instance, ray, hit);
-        if (!instance.mesh->shell) {
-            out.color += throughput * shadePlain(instance, surfel, ray.direction, sampler);
-            out.alpha += average(throughput);
+        const ShellObject* shell = instance.mesh->shell.get();
+        if (!shell) {
+            const Rgb plain = throughput * shadePlain(instance, surfel, ray.direction, sampler);
+            out.color += plain;
+            if (mirrored) {
+                out.reflection += plain;
+            } else {
+                out.alpha += average(throughput);
+            }
             return out;
         }
-        const Vec3f objectDirection(instance.worldToObject.vector(Vec3d(ray.direction)));
-        if (dot(objectDirection, hit.geometricNormal) >= 0) {
+        const Vec3f scaled(instance.worldToObject.vector(Vec3d(ray.direction)));
+        if (dot(scaled, hit.geometricNormal) >= 0) {
             // The inside of a surface: light that left the shell on its other side. Nothing is here.
             ray.tNear = hit.t * (1 + 1e-6f) + scene_.shadowOffset;
             continue;
         }
-        const ShellRadiance r = shadeShell(instance, surfel, ray, sampler);
-        const Rgb single = throughput * r.single, multiple = throughput * r.multiple, core = throughput * r.core;
-        out.single += single;
-        out.multiple += multiple;
-        out.core += core;
-        out.color += single + multiple + core;
-        const Rgb left = throughput * r.transmittance;
-        out.alpha += average(throughput - left);
-        throughput = left;
-        if (!(maxComponent(throughput) > 0)) {
+        const float scale = length(scaled);
+        Vec3f direction = scaled / scale;
+
+        // What is inside is seen through the surface: (1 - F) of it, and less by n^2, for the solid angle widens there
+        // (DESIGN 3.6). Rays into a relief keep their direction: their interface lies deeper.
+        const bool refracts = shell->medium->refracts(), bends = refracts && !shell->medium->hasSurface();
+        SurfaceCrossing in;
+        Rgb inner = throughput;
+        if (refracts) {
+            const float ior = marchOf(instance).iorAt(surfel.objectPoint);
+            in = crossSurface(direction, normalize(smoothNormal(*instance.mesh->surface, hit)), hit.geometricNormal,
+                              ior);
+            direction = bends && in.reflectance < 1 ? in.refracted : direction;
+            inner *= (1 - in.reflectance) / (ior * ior);
+        }
+        Rgb through(0.0f);
+        Ray onward = ray;
+        if (maxComponent(inner) > 0) {
+            const ShellRadiance r = shadeShell(instance, surfel, direction, sampler);
+            const Rgb single = inner * r.single, multiple = inner * r.multiple, core = inner * r.core;
+            out.color += single + multiple + core;
+            if (mirrored) {
+                out.reflection += single + multiple + core;
+            } else {
+                out.single += single;
+                out.multiple += multiple;
+                out.core += core;
+            }
+            through = throughput * r.transmittance * (1 - in.reflectance); // n^2 is undone where it leaves again
+            onward.tNear = (hit.t + r.tExit / scale) * (1 + 1e-6f) + scene_.shadowOffset;
+            if (bends && r.throughSurface && dot(direction, r.exit.geometricNormal) > 0 && maxComponent(through) > 0) {
+                float share = 1;
+                onward = leaveShell(instance, surfel, direction, r, share);
+                through *= share;
+            }
+        }
+        if (!mirrored) {
+            out.alpha += average(throughput - through);
+        }
+        // Two ways lead on; where both bring something, one is taken by its share.
+        const Rgb reflected = throughput * in.reflectance;
+        const float a = maxComponent(through), b = maxComponent(reflected);
+        if (!(a + b > 0)) {
             return out;
         }
-        ray.tNear = (hit.t + r.tExit) * (1 + 1e-6f) + scene_.shadowOffset;
+        const bool mirror = b > 0 && (!(a > 0) || sampler.next1d() * (a + b) < b);
+        throughput = mirror ? reflected * ((a + b) / b) : through * (a > 0 && b > 0 ? (a + b) / a : 1.0f);
+        if (mirror) {
+            mirrored = true;
+            onward = Ray();
+            onward.direction = normalize(Vec3f(instance.objectToWorld.vector(Vec3d(in.reflected))));
+            onward.origin =
+                Vec3f(instance.objectToWorld.point(Vec3d(surfel.shadowOrigin))) + surfel.normal * scene_.shadowOffset;
+        }
+        ray = onward;
     }
     return out;
 }

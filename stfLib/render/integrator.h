@@ -5,6 +5,7 @@
 #include "stfLib/render/film.h"
 #include "stfLib/render/prepared_scene.h"
 #include "stfLib/render/shell_march.h"
+#include "stfLib/render/surface_crossing.h"
 
 #include <memory>
 
@@ -30,9 +31,13 @@ private:
     Surfel surfelAt(const PreparedInstance& instance, const Ray& ray, const RayHit& hit) const;
     Rgb shadePlain(const PreparedInstance& instance, const Surfel& surfel, const Vec3f& direction,
                    PixelSampler& sampler);
-    /// `tExit` of the result is the distance from the entry, along the ray.
-    ShellRadiance shadeShell(const PreparedInstance& instance, const Surfel& surfel, const Ray& ray,
+    /// `direction`: unit, object space, inside the shell.
+    ShellRadiance shadeShell(const PreparedInstance& instance, const Surfel& surfel, const Vec3f& direction,
                              PixelSampler& sampler);
+    /// The ray that leaves a refracting shell at the far side, and the share of light that comes in there.
+    Ray leaveShell(const PreparedInstance& instance, const Surfel& entry, const Vec3f& direction,
+                   const ShellRadiance& through, float& share);
+    ShellMarch& marchOf(const PreparedInstance& instance);
     bool occluded(const Vec3f& origin, const Vec3f& direction);
 
     const PreparedScene& scene_;

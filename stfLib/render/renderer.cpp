@@ -52,6 +52,7 @@ struct Renderer::Impl {
         std::uint64_t meshVersion = 0, stfVersion = 0;
         double metersPerUnit = 0;
         float quality = 0;
+        std::string transport;
         std::shared_ptr<const PreparedMesh> mesh; // null where nothing can be drawn
         std::vector<PlanEntry> plan;
     };
@@ -72,7 +73,7 @@ struct Renderer::Impl {
     Rgb clearColor{0.0f};
     float clearAlpha = 0;
     std::uint64_t preparedVersion = 0, lightVersion = 0;
-    RenderSettings preparedSettings; ///< tables depend on the quality, the core's samples on the seed
+    RenderSettings preparedSettings; ///< tables depend on quality and form, the core's samples on the seed
     int passes = 0;
     RenderStats stats;
     std::vector<PlanEntry> scenePlan;
@@ -85,6 +86,7 @@ void Renderer::Impl::prepareMesh(const std::string& id, const SceneMesh& m, doub
     k.stfVersion = m.stfVersion;
     k.metersPerUnit = metersPerUnit;
     k.quality = settings.quality;
+    k.transport = settings.transport;
     k.mesh = nullptr;
     k.plan.clear();
     ControlMesh mesh = *m.mesh;
@@ -100,8 +102,8 @@ void Renderer::Impl::prepareMesh(const std::string& id, const SceneMesh& m, doub
     }
     if (m.stf) {
         try {
-            auto shell = builder.build(id, mesh, m.refineLevel, *m.stf, metersPerUnit, settings.quality, progress,
-                                       stats, k.plan);
+            auto shell =
+                builder.build(id, mesh, m.refineLevel, *m.stf, metersPerUnit, settings, progress, stats, k.plan);
             prepared->surface = std::shared_ptr<const RefinedSurface>(shell, &shell->surface);
             prepared->rayMesh = shell->rayMesh;
             prepared->shell = shell;
@@ -219,7 +221,7 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
     setThreadCount(s.settings.threads);
     s.prepareStart = Clock::now();
     if (s.scene && source.version() == s.preparedVersion && s.settings.quality == s.preparedSettings.quality &&
-        s.settings.seed == s.preparedSettings.seed) {
+        s.settings.transport == s.preparedSettings.transport && s.settings.seed == s.preparedSettings.seed) {
         return;
     }
     if (!s.scene) {
@@ -235,7 +237,8 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
         Impl::Kept& k = s.kept[id];
         const bool needed = m.visible && m.mesh && !m.instances.empty();
         const bool current = k.meshVersion == m.meshVersion && k.stfVersion == m.stfVersion &&
-                             k.metersPerUnit == source.metersPerUnit() && k.quality == s.settings.quality;
+                             k.metersPerUnit == source.metersPerUnit() && k.quality == s.settings.quality &&
+                             k.transport == s.settings.transport;
         if (needed && !current) {
             s.prepareMesh(id, m, source.metersPerUnit(), k, progress);
         } else if (!needed) {
@@ -250,10 +253,13 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
     s.scenePlan.push_back(
         {"scene", "lights", s.scene->lights.count() > 0,
          std::to_string(s.scene->lights.count()) + " of " + std::to_string(source.lights().size()) + " give light", 0});
-    if (s.scene->lights.count() == 0) {
+    s.placeInstances(source);
+    s.builder.dropUnused();
+    const auto emits = [](const PreparedInstance& i) { return i.mesh->shell && i.mesh->shell->medium->emits(); };
+    const std::vector<PreparedInstance>& instances = s.scene->instances;
+    if (s.scene->lights.count() == 0 && std::none_of(instances.begin(), instances.end(), emits)) {
         s.say(Severity::Warning, "the scene has no light that hdStf knows: what is drawn is black");
     }
-    s.placeInstances(source);
 
     // The core depends on lights and on whatever throws shadows: any edit of those solves it again, the camera does
     // not.
@@ -261,7 +267,7 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
     int solved = 0;
     for (PreparedInstance& i : s.scene->instances) {
         const ShellObject* shell = i.mesh->shell.get();
-        if (shell && !shell->coreBlack && s.scene->lights.count() > 0) {
+        if (shell && !shell->coreBlack && (s.scene->lights.count() > 0 || emits(i))) {
             ++solved;
             i.core =
                 shell->grid.spreadCoreRadiance(coreRadiance(*shell, i.objectToWorld, *s.scene->rays, s.scene->lights,

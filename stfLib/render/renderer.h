@@ -19,10 +19,12 @@ struct TransportOptions;
 struct RenderSettings {
     int samples = 64; ///< per pixel
     std::uint64_t seed = 0;
-    int threads = 0;       ///< 0 = all cores
-    float quality = 0.02f; ///< target relative error of the tables, where a binding does not say
+    int threads = 0;               ///< 0 = all cores
+    float quality = 0.02f;         ///< target relative error of the tables, where a binding does not say
+    std::string transport = "dE1"; ///< form of the tables, where a binding does not say: dE1, classic
     bool operator==(const RenderSettings& s) const {
-        return samples == s.samples && seed == s.seed && threads == s.threads && quality == s.quality;
+        return samples == s.samples && seed == s.seed && threads == s.threads && quality == s.quality &&
+               transport == s.transport;
     }
 };
 

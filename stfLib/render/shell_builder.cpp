@@ -20,14 +20,6 @@ private:
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-std::vector<VoxelMedium> mediumOf(const BaseVolume& v) {
-    std::vector<VoxelMedium> voxels(v.voxelCount());
-    for (std::size_t i = 0; i < voxels.size(); ++i) {
-        voxels[i] = {v.extinction[i], v.extinction[i] * v.albedo[i], v.g.empty() ? 0.0f : v.g[i]};
-    }
-    return voxels;
-}
-
 // Mean diffusion length of the filled voxels, mm: the distance over which multiple scattering blurs shadows.
 double diffusionLengthMm(const BaseVolume& v) {
     double sigmaA = 0, sigmaS = 0;
@@ -71,7 +63,59 @@ CoreMaterial coreOf(const StfBinding& binding, const BaseVolume& volume, std::st
     return core;
 }
 
+// The form that a binding, or else the render setting asks for.
+TransportForm formOf(const StfBinding& binding, const RenderSettings& settings, const MessageSink& messages) {
+    try {
+        return parseTransportForm(binding.transport.empty() ? settings.transport : binding.transport);
+    } catch (const Error& e) {
+        const TransportForm form = TransportOptions().form;
+        report(messages, Severity::Error, std::string("stf:transport: ") + e.what() + "; " + name(form) + " is used");
+        return form;
+    }
+}
+
+// Reads now what rendering will ask for: a damaged file is reported with its prim, not met in the middle of a frame.
+void readParts(const StfTable& table, const TileMedium& medium, bool coreBlack) {
+    if (medium.scatters()) {
+        table.multiple.get();
+        table.single.get();
+        if (medium.emits()) {
+            table.emitted.get();
+        }
+    }
+    if (!coreBlack) {
+        table.transmitted.get();
+        table.direct.get();
+        if (medium.scatters()) {
+            table.backlight.get();
+        }
+    }
+}
+
+std::string describe(const StfTable& table, const TileMedium& medium) {
+    std::ostringstream s;
+    s << name(table.form);
+    if (!medium.scatters()) {
+        s << ", nothing scatters";
+        return s.str();
+    }
+    s.precision(2);
+    s << ", " << table.directions.count() << " directions, rank " << table.multiple->rank << ", error "
+      << 100 * table.error.total() << " %";
+    return s.str();
+}
+
 } // namespace
+
+void ShellBuilder::dropUnused() {
+    for (auto it = volumes_.begin(); it != volumes_.end();) {
+        it = it->second.volume.use_count() <= 1 ? volumes_.erase(it) : std::next(it);
+    }
+    for (auto it = transports_.begin(); it != transports_.end();) {
+        const CachedTransport& t = it->second;
+        it = t.table.use_count() <= 1 && t.medium.use_count() <= 1 ? transports_.erase(it) : std::next(it);
+    }
+}
 
 std::shared_ptr<const BaseVolume> ShellBuilder::volume(const std::string& path) {
     namespace fs = std::filesystem;
@@ -88,8 +132,9 @@ std::shared_ptr<const BaseVolume> ShellBuilder::volume(const std::string& path) 
 }
 
 std::shared_ptr<ShellObject> ShellBuilder::build(const std::string& id, const ControlMesh& mesh, int refineLevel,
-                                                 const StfBinding& binding, double metersPerUnit, float sceneQuality,
-                                                 Progress& progress, RenderStats& stats, std::vector<PlanEntry>& plan) {
+                                                 const StfBinding& binding, double metersPerUnit,
+                                                 const RenderSettings& settings, Progress& progress, RenderStats& stats,
+                                                 std::vector<PlanEntry>& plan) {
     const auto note = [&](const char* stage, bool runs, const std::string& why, double seconds) {
         plan.push_back({id, stage, runs, why, seconds});
     };
@@ -107,7 +152,7 @@ std::shared_ptr<ShellObject> ShellBuilder::build(const std::string& id, const Co
         throw Error("stf:thickness must be finite and not negative");
     }
 
-    const float quality = binding.quality > 0 ? binding.quality : sceneQuality;
+    const float quality = binding.quality > 0 ? binding.quality : settings.quality;
     if (!(quality > 0) || !std::isfinite(quality)) {
         throw Error("stf:quality must be positive and finite");
     }
@@ -115,7 +160,7 @@ std::shared_ptr<ShellObject> ShellBuilder::build(const std::string& id, const Co
     auto object = std::make_shared<ShellObject>();
     ShellObject& o = *object;
     Timer load;
-    o.volume = volume(binding.baseVolume);
+    o.source = o.volume = volume(binding.baseVolume);
     stats.loadSeconds += load.seconds();
     note("load", true, asset, load.seconds());
 
@@ -137,27 +182,51 @@ std::shared_ptr<ShellObject> ShellBuilder::build(const std::string& id, const Co
     o.thicknessMm = float(o.volume->extentMm().z);
     const float thickness = o.thicknessMm / o.mmPerUnit;
 
+    std::string coreWhy;
+    o.core = coreOf(binding, *o.volume, coreWhy);
+    o.coreBlack = !o.core.scatters();
+
     Timer precompute;
     TransportOptions options;
     options.quality = quality;
     options.seed = std::uint64_t(std::uint32_t(binding.seed));
-    const std::string key = o.volume->contentHash() + options.key();
-    std::shared_ptr<const StfTable>& table = tableOf_[key];
-    const bool kept = table != nullptr;
-    if (!kept) {
-        table = tables_(o.volume, options, progress, messages);
-    }
-    o.table = table;
-    stats.precomputeSeconds += precompute.seconds();
-    std::string how = "form classic, " + std::to_string(o.table->directions.count()) + " directions";
+    options.form = formOf(binding, settings, messages);
+    const std::string key = o.volume->contentHash() + ";" + options.key();
+    const auto met = transports_.find(key);
+    const bool kept = met != transports_.end();
+    CachedTransport transport;
     if (kept) {
-        how = "table already in memory";
-    } else if (o.table->photonsPerDirection == 0) {
-        how = "nothing scatters";
+        transport = met->second;
+    } else {
+        transport.medium = std::make_shared<const TileMedium>(*o.volume, options.form);
+        transport.table = tables_(o.volume, options, progress, messages);
     }
-    note("transport", !kept && o.table->photonsPerDirection > 0, how, precompute.seconds());
-    o.voxels = mediumOf(*o.volume);
-    o.medium = std::make_shared<const WalkMedium>(*o.volume);
+    try {
+        readParts(*transport.table, *transport.medium, o.coreBlack);
+    } catch (const Error& e) {
+        transports_.erase(key); // it is made again with the next edit
+        throw Error(std::string("transport table: ") + e.what());
+    }
+    transports_[key] = transport;
+    o.table = transport.table;
+    o.medium = transport.medium;
+    stats.precomputeSeconds += precompute.seconds();
+    const bool read = !kept && o.table->fileBytes > 0;
+    note("transport", !kept && !read && o.medium->scatters(),
+         describe(*o.table, *o.medium) + (kept   ? "; already in memory"
+                                          : read ? "; kept from an earlier run"
+                                                 : ""),
+         precompute.seconds());
+    if (!o.medium->refracts()) {
+        note("fresnel", false, "index 1", 0);
+    } else if (!o.medium->hasSurface()) {
+        note("fresnel", true, "flat top", 0);
+    } else {
+        const char* const straight =
+            "camera rays enter the relief straight on, with the Fresnel factors of the limit surface";
+        note("fresnel", true, straight, 0);
+        report(messages, Severity::Warning, std::string("this version does not refract at the relief: ") + straight);
+    }
 
     Timer synthesis;
     Box3f box;
@@ -190,10 +259,7 @@ std::shared_ptr<ShellObject> ShellBuilder::build(const std::string& id, const Co
     stats.shellSeconds += shell.seconds();
     note("shell", true, std::to_string(o.grid.sampleCount()) + " samples", shell.seconds());
 
-    std::string why;
-    o.core = coreOf(binding, *o.volume, why);
-    o.coreBlack = !o.core.scatters();
-    note("core", !o.coreBlack, why, 0);
+    note("core", !o.coreBlack, coreWhy, 0);
     o.blurRadiusMm = float(std::min(diffusionLengthMm(*o.volume), double(o.thicknessMm)));
     return object;
 }

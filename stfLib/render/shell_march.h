@@ -1,52 +1,65 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "stfLib/base/sampler.h"
 #include "stfLib/render/shell_object.h"
+#include "stfLib/render/tile_march.h"
 
 namespace stf {
 
 /// One light direction of a camera path, object space, with the visibility already in it.
 struct ShellLight {
-    Vec3f towards;   ///< unit
+    Vec3f towards;   ///< unit, outside
     Rgb forSingle;   ///< perpendicular irradiance, exact visibility
     Rgb forMultiple; ///< perpendicular irradiance, visibility averaged over the diffusion disc
 };
 
-/// Radiance that a camera ray collects in a shell, and what is left of it.
+/// Radiance inside the shell that a camera ray collects there, and what is left of it.
 struct ShellRadiance {
     Rgb single{0.0f}, multiple{0.0f}, core{0.0f};
     Rgb transmittance{1.0f}; ///< of the way to `tExit`; zero where the ray ended in the core
     float tExit = 0;         ///< object units from the entry
     bool reachedCore = false;
+    bool throughSurface = false; ///< the ray left through the surface at `exit`; else an open rim let it out
+    RayHit exit;
 };
 
-/// Marches object-space rays through one shell (the talk's equations for L_T and I_b, index 1):
-///   L = INT Tr kappa a [ f I_0 exp(-depth to light) + (I_0 I_m(w_l) + L_core I_b) / 4 pi ] ds + Tr L_core
-/// with exact steps at the crossings of tile voxels and the weights of optics/step_weights.h. Multiple scattering is
-/// summed over all steps; single scattering is taken at one step, chosen by its weight (unbiased).
+/// The frame that the exemplar has at a lookup: tangent, bitangent, normal of the smooth limit surface. Mirrored
+/// coordinates flip the bitangent, as the tile itself is flipped.
+class TileFrame {
+public:
+    explicit TileFrame(const ShellLookup& at);
+    /// A direction of object space in the frame.
+    Vec3f toTile(const Vec3f& d) const { return {dot(d, tangent_), dot(d, bitangent_), dot(d, normal_)}; }
+
+private:
+    Vec3f tangent_, bitangent_, normal_;
+};
+
+/// Marches object-space rays through one shell: follows the grid's exemplar coordinates and hands straight pieces, one
+/// per grid voxel, to a TileMarch; at the end the core shines through what is left of the ray.
 /// One march per thread and object: it holds a grid accessor.
 class ShellMarch {
 public:
-    ShellMarch(const ShellObject& object, const Rgb* coreRadiancePerSample)
-        : object_(object), accessor_(object.grid), core_(coreRadiancePerSample) {}
+    ShellMarch(const ShellObject& object, const Rgb* coreRadiancePerSample);
 
-    /// `entry` lies on the surface, `direction` is unit and goes inward; both object space. Distances count from the
-    /// entry, so that a far camera costs no precision.
+    /// `entry` lies on the surface, `direction` is unit and goes inward, refracted where the shell refracts; both
+    /// object space. Distances count from the entry, so that a far camera costs no precision. At most 16 lights count.
     ShellRadiance march(const Vec3f& entry, const Vec3f& direction, const ShellLight* lights, int lightCount,
                         PixelSampler& sampler);
 
     /// What the shell looks like at a point: frame and exemplar coordinate.
     bool lookup(const Vec3f& point, ShellLookup& out) { return accessor_.lookup(point, out, core_); }
+    /// Index of refraction of the material at, or first below, a point of the surface; 1 where the grid has none.
+    float iorAt(const Vec3f& surfacePoint);
 
 private:
     const ShellObject& object_;
     ShellGrid::Accessor accessor_;
     const Rgb* core_;
+    TileMarch tile_;
 };
 
-/// A unit direction in the frame (tangent, bitangent, normal) that the exemplar has at a lookup. Mirrored coordinates
-/// flip the bitangent, as the tile itself is flipped.
-Vec3f toTileFrame(const ShellLookup& at, const Vec3f& direction);
+/// The exemplar coordinate (mm) of a point of the surface as a position at the top of the tile, voxel units.
+Vec3f topOfTile(const ShellObject& object, const Vec2f& exemplarMm);
 
 } // namespace stf

@@ -5,27 +5,19 @@
 #include "stfLib/shell/shell_grid.h"
 #include "stfLib/surface/ray_scene.h"
 #include "stfLib/transport/stf_table.h"
-#include "stfLib/transport/walk.h"
+#include "stfLib/transport/tile_medium.h"
 #include "stfLib/volume/base_volume.h"
 
 #include <memory>
-#include <vector>
 
 namespace stf {
 
-/// What the march reads of one voxel, together in memory.
-struct VoxelMedium {
-    Rgb extinction; ///< 1/mm
-    Rgb scattering; ///< 1/mm
-    float g;
-};
-
 /// A mesh with a bound base volume, ready to be marched. Immutable once made.
 struct ShellObject {
-    std::shared_ptr<const BaseVolume> volume;
+    std::shared_ptr<const BaseVolume> source; ///< as read from its file
+    std::shared_ptr<const BaseVolume> volume; ///< cropped to the shell's depth; `source` where that is all of it
     std::shared_ptr<const StfTable> table;
-    std::shared_ptr<const WalkMedium> medium; ///< for exact optical depths
-    std::vector<VoxelMedium> voxels;
+    std::shared_ptr<const TileMedium> medium; ///< of the table's form
     RefinedSurface surface;
     ExemplarMap map;
     ShellBoundary boundary;

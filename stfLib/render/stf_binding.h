@@ -19,8 +19,8 @@ struct StfBinding {
     std::optional<Rgb> coreSigmaA;      ///< 1/mm
     std::optional<Rgb> coreSigmaSPrime; ///< 1/mm
     std::string coreModel = "auto";
-    std::string transport = "dE1";
-    float quality = 0; ///< target relative error of the tables; 0: the render setting says
+    std::string transport; ///< form of the tables: dE1, classic; empty: the render setting says
+    float quality = 0;     ///< target relative error of the tables; 0: the render setting says
     int seed = 0;
 
     bool operator==(const StfBinding& b) const {

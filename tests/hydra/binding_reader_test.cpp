@@ -44,7 +44,7 @@ TEST_F(BindingReader, DefaultsAreThoseOfTheSchema) {
     EXPECT_EQ(binding->scale, 1);
     EXPECT_EQ(binding->mapping, "auto");
     EXPECT_EQ(binding->coreModel, "auto");
-    EXPECT_EQ(binding->transport, "dE1");
+    EXPECT_EQ(binding->transport, "") << "as the render setting says";
     EXPECT_FALSE(binding->coreSigmaA.has_value());
 }
 

@@ -21,6 +21,7 @@ TEST(Settings, ValuesTakeTheTypeOfTheDefault) {
     EXPECT_EQ(normalized("stf:samples", VtValue(std::string("16"))), VtValue(16));
     EXPECT_EQ(normalized("stf:quality", VtValue(0.5)), VtValue(0.5f));
     EXPECT_EQ(normalized("stageMetersPerUnit", VtValue(1.0f)), VtValue(1.0));
+    EXPECT_EQ(normalized("stf:transport", VtValue(TfToken("classic"))), VtValue(std::string("classic")));
 }
 
 TEST(Settings, ValuesOutOfRangeAreBroughtInOrRefused) {
@@ -29,6 +30,7 @@ TEST(Settings, ValuesOutOfRangeAreBroughtInOrRefused) {
     EXPECT_TRUE(normalized("stf:quality", VtValue(0.0f)).IsEmpty());
     EXPECT_TRUE(normalized("stageMetersPerUnit", VtValue(std::numeric_limits<double>::quiet_NaN())).IsEmpty());
     EXPECT_TRUE(normalized("stf:samples", VtValue(std::string("many"))).IsEmpty());
+    EXPECT_TRUE(normalized("stf:transport", VtValue(std::string("similarity"))).IsEmpty());
     EXPECT_TRUE(normalized("noSuchSetting", VtValue(1)).IsEmpty());
 }
 

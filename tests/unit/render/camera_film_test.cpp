@@ -66,7 +66,7 @@ TEST(Film, NamesOfAovs) {
     Aov aov = Aov::Color;
     for (const char* name :
          {"color", "alpha", "depth", "cameraDepth", "normal", "Neye", "position", "albedo", "primId", "instanceId",
-          "elementId", "sampleCount", "variance", "stf:single", "stf:multiple", "stf:core"}) {
+          "elementId", "sampleCount", "variance", "stf:single", "stf:multiple", "stf:core", "stf:reflection"}) {
         EXPECT_TRUE(aovFromName(name, aov)) << name;
         EXPECT_GE(aovChannels(aov), 1);
     }

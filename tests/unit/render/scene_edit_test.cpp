@@ -58,7 +58,9 @@ protected:
         return [this](const std::shared_ptr<const BaseVolume>& volume, const TransportOptions& options,
                       Progress& progress, const MessageSink& messages) {
             ++tables_;
-            return std::make_shared<const StfTable>(precompute(*volume, options, progress, messages));
+            auto table = std::make_shared<const StfTable>(precompute(*volume, options, progress, messages));
+            made_.push_back(table);
+            return table;
         };
     }
 
@@ -105,6 +107,7 @@ protected:
     Light light_;
     Vec3d cameraAt_{0, 0, 0}; ///< looks from 50 above this
     int tables_ = 0;
+    std::vector<std::weak_ptr<const StfTable>> made_;
     RenderSettings settings_;
     std::vector<std::string> messages_;
 };
@@ -155,9 +158,12 @@ TEST_F(SceneEdits, SettingsEqualFreshRenderer) {
     const std::vector<float> fine = render(renderer);
     EXPECT_EQ(tables_, 2);
     EXPECT_NE(coarse, fine);
+    settings_.transport = "classic";
+    render(renderer);
+    EXPECT_EQ(tables_, 3);
     settings_.seed = 5;
     const std::vector<float> seeded = render(renderer);
-    EXPECT_EQ(tables_, 2);
+    EXPECT_EQ(tables_, 3);
     Renderer fresh;
     EXPECT_EQ(seeded, render(fresh));
 }
@@ -177,6 +183,73 @@ TEST_F(SceneEdits, FarFromTheOrigin) {
     for (std::size_t i = 0; i < here.size(); ++i) {
         EXPECT_NEAR(here[i], there[i], 1e-4f) << i;
     }
+}
+
+// A binding wins over the setting; what is neither form is said once.
+TEST_F(SceneEdits, FormOfTransport) {
+    const auto how = [](const Renderer& renderer) {
+        for (const PlanEntry& e : renderer.plan()) {
+            if (e.object == "/shell" && e.stage == "transport") {
+                return e.why;
+            }
+        }
+        return std::string();
+    };
+    Renderer renderer(countingTables());
+    render(renderer);
+    EXPECT_EQ(how(renderer).rfind("dE1, ", 0), 0u) << how(renderer);
+    settings_.transport = "classic";
+    render(renderer);
+    EXPECT_EQ(how(renderer).rfind("classic, ", 0), 0u) << how(renderer);
+    EXPECT_TRUE(messages_.empty());
+
+    StfBinding binding;
+    binding.baseVolume = volume_;
+    binding.quality = 0.1f;
+    binding.transport = "diffusion";
+    scene_.setStf("/shell", binding);
+    render(renderer);
+    EXPECT_EQ(how(renderer).rfind("dE1, ", 0), 0u) << how(renderer);
+    ASSERT_EQ(messages_.size(), 1u);
+    EXPECT_TRUE(said("/shell", "diffusion"));
+    render(renderer);
+    EXPECT_EQ(messages_.size(), 1u) << "once, not per frame";
+}
+
+// Tables are shared by meshes of one material, kept through edits of a mesh, and gone with the last of them.
+TEST_F(SceneEdits, TablesLiveAsLongAsTheirShells) {
+    Renderer renderer(countingTables());
+    StfBinding binding = *scene_.meshes().at("/shell").stf;
+    scene_.setStf("/plain", binding);
+    render(renderer);
+    ASSERT_EQ(made_.size(), 1u);
+    addQuad("/shell", -5.5f);
+    render(renderer);
+    EXPECT_EQ(tables_, 1);
+    scene_.removeMesh("/shell");
+    render(renderer);
+    EXPECT_FALSE(made_[0].expired());
+    binding.quality = 0.2f;
+    scene_.setStf("/plain", binding);
+    render(renderer);
+    EXPECT_EQ(tables_, 2);
+    EXPECT_TRUE(made_[0].expired());
+    scene_.setStf("/plain", std::nullopt);
+    render(renderer);
+    EXPECT_TRUE(made_[1].expired());
+}
+
+// A part of a table that cannot be read is said with the prim, before the frame.
+TEST_F(SceneEdits, DamagedTable) {
+    Renderer renderer([](const std::shared_ptr<const BaseVolume>& volume, const TransportOptions& options,
+                         Progress& progress, const MessageSink& messages) {
+        StfTable t = precompute(*volume, options, progress, messages);
+        t.multiple = Lazy<FactoredField>(std::function<FactoredField()>(
+            []() -> FactoredField { throw Error("tables/multiple.vdb: the file ends too soon"); }));
+        return std::make_shared<const StfTable>(std::move(t));
+    });
+    expectPlainRendered(render(renderer));
+    EXPECT_TRUE(said("/shell", "the file ends too soon"));
 }
 
 TEST_F(SceneEdits, SettingAValueToItselfChangesNothing) {

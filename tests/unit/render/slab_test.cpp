@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The whole chain (tables, grid, march, core, film) on a flat homogeneous shell against closed forms.
+// The whole chain (tables, grid, march, core, film) on a flat homogeneous shell of index 1 and isotropic scattering
+// against closed forms.
 #include "stfLib/optics/h_function.h"
 #include "tests/unit/render/slab_fixture.h"
 
@@ -20,15 +21,12 @@ double singleScattering(double albedo, double tau, double mu, double mu0) {
     return albedo * mu0 / (4 * kPi * (mu + mu0)) * (1 - std::exp(-tau * (1 / mu + 1 / mu0)));
 }
 
-// The walks' own noise in a mean over many voxels is below this share; the fixture asks for tables of 0.6 % noise.
-constexpr double kTableError = 0.004;
-
 std::shared_ptr<const StfTable> silencedTable(const std::shared_ptr<const BaseVolume>& volume,
                                               const TransportOptions& options, Progress& progress,
                                               const MessageSink& messages) {
-    StfTable t = precompute(*volume, options, progress, messages);
-    std::fill(t.multiple.begin(), t.multiple.end(), 0.0f);
-    std::fill(t.backlight.begin(), t.backlight.end(), Rgb(0.0f));
+    StfTable t = *Slab::sharedTables(volume, options, progress, messages);
+    t.multiple = FactoredField();
+    t.backlight = FactoredField();
     return std::make_shared<const StfTable>(std::move(t));
 }
 
@@ -37,25 +35,30 @@ TEST(Slab, ThickShellIsSemiInfinite) {
         Slab slab;
         slab.albedo = albedo;
         slab.tau = 16;
-        const Slab::Radiance r = slab.radiance();
-        const double exact = semiInfinite(albedo, 1, 1);
-        std::printf("exact %.6f, off by %+.2f %%, standard error %.2f %%\n", exact, 100 * (r.mean / exact - 1),
-                    100 * r.error / exact);
-        EXPECT_LT(r.error, 0.005 * exact);
-        // 1 % for voxels of a tenth of a mean free path; see docs/validation.md.
-        EXPECT_NEAR(r.mean, exact, 4 * r.error + (0.01 + kTableError) * exact) << "albedo " << albedo;
+        // Over black, 16 mean free paths of albedo .99 lose 0.4 % of the light.
+        EXPECT_TRUE(slab.radiance().near(semiInfinite(albedo, 1, 1), 0.006)) << "albedo " << albedo;
     }
 }
 
 TEST(Slab, ObliqueViewAndLight) {
+    for (const double mu0 : {0.8, 0.5, 0.25}) {
+        Slab slab;
+        slab.albedo = 0.9;
+        slab.tau = 12;
+        slab.viewCosine = 0.5;
+        slab.lightCosine = mu0;
+        EXPECT_TRUE(slab.radiance().near(semiInfinite(0.9, 0.5, mu0), 0.01)) << "mu0 " << mu0;
+    }
+}
+
+// Half a mean free path a voxel: the field is linear within voxels, not constant, or this would be off by 3 %.
+TEST(Slab, CoarseVoxels) {
     Slab slab;
-    slab.albedo = 0.9;
-    slab.tau = 12;
+    slab.albedo = 0.99;
+    slab.tau = 16;
+    slab.layersPerMm = 2;
     slab.viewCosine = 0.5;
-    slab.lightCosine = std::cos(kPi / 2 * 3 / 7); // a node of the table: no interpolation over directions
-    const Slab::Radiance r = slab.radiance();
-    const double exact = semiInfinite(0.9, 0.5, slab.lightCosine);
-    EXPECT_NEAR(r.mean, exact, 4 * r.error + (0.015 + kTableError) * exact);
+    EXPECT_TRUE(slab.radiance().near(semiInfinite(0.99, 0.5, 1), 0.015));
 }
 
 // A shell over a core of its own medium is semi-infinite too: tests transmitted light, core balance, backlight and the
@@ -66,11 +69,7 @@ TEST(Slab, ShellOverCoreOfItsOwnMedium) {
         slab.albedo = albedo;
         slab.coreAlbedo = albedo;
         slab.tau = 2;
-        const Slab::Radiance r = slab.radiance();
-        const double exact = semiInfinite(albedo, 1, 1);
-        std::printf("exact %.6f, off by %+.2f %%, standard error %.2f %%\n", exact, 100 * (r.mean / exact - 1),
-                    100 * r.error / exact);
-        EXPECT_NEAR(r.mean, exact, 4 * r.error + 0.02 * exact) << "albedo " << albedo;
+        EXPECT_TRUE(slab.radiance().near(semiInfinite(albedo, 1, 1), 0.015)) << "albedo " << albedo;
     }
 }
 
@@ -80,10 +79,9 @@ TEST(Slab, TablesSetToZero) {
     slab.tables = silencedTable;
     slab.albedo = 0.9;
     slab.tau = 2;
-    const Slab::Radiance r = slab.radiance();
-    const double exact = singleScattering(0.9, 2, 1, 1);
-    EXPECT_LT(r.error, 0.01 * exact);
-    EXPECT_NEAR(r.mean, exact, 4 * r.error + 1e-3 * exact);
+    Slab::Measured r = slab.radiance();
+    r.table = 0;
+    EXPECT_TRUE(r.near(singleScattering(0.9, 2, 1, 1), 1e-3));
     // ... and with them the image is brighter by multiple scattering, far more than this.
     Slab full;
     full.albedo = 0.9;
@@ -99,48 +97,72 @@ TEST(Slab, CoreSetToBlack) {
     lit.tau = 1;
     Slab black = lit;
     black.coreAlbedo = 0;
-    const Slab::Radiance with = lit.radiance(), without = black.radiance();
+    const Slab::Measured with = lit.radiance(), without = black.radiance();
 
     // B = [D R_c(1) + (T - D) R_cd] / (1 - R_cd R_sd) from the table's own column, then the radiance that reaches the
     // camera: B / pi through the layer, plus what the layer scatters of it.
-    const auto volume = readBaseVolume(lit.volumePath());
     Progress progress;
-    TransportOptions options;
-    options.quality = 0.006f;
-    const StfTable table = precompute(volume, options, progress, {});
+    const auto volume = std::make_shared<const BaseVolume>(readBaseVolume(lit.volumePath()));
+    const StfTable& table = *Slab::sharedTables(volume, lit.transportOptions(), progress, {});
     const HFunction h(0.01);
-    DirectionWeights normal = table.directions.weights({0, 0, 1});
-    const double direct = double(table.directAt(0, normal).y), transmitted = double(table.transmittedAt(0, normal).y);
+    const DirectionWeights normal = table.directions.weights({0, 0, 1});
+    const double direct = double(table.direct->rgb(0, normal).y),
+                 transmitted = double(table.transmitted->rgb(0, normal).y);
     const double back = double(table.reflectedBelow[0].y);
-    EXPECT_NEAR(direct, std::exp(-1.0), 1e-5);
+    EXPECT_NEAR(direct, std::exp(-1.0), 1e-3);
     const double b = (direct * h.reflectance(1) + (transmitted - direct) * h.diffuseReflectance()) /
                      (1 - h.diffuseReflectance() * back);
     double scattered = 0;
     const double step = 1.0 / table.size.z;
     for (int z = 0; z < table.size.z; ++z) {
-        scattered += 0.9 * double(table.backlight[std::size_t(z)].y) / (4 * kPi) *
+        scattered += 0.9 * double(table.backlight->node(std::size_t(z), 0, 1)) / (4 * kPi) *
                      (std::exp(-z * step) - std::exp(-(z + 1) * step));
     }
     const double predicted = b / kPi * (std::exp(-1.0) + scattered);
-    std::printf("predicted %.6f measured %.6f\n", predicted, with.mean - without.mean);
     EXPECT_GT(predicted, 0.2 * with.mean);
-    EXPECT_NEAR(with.mean - without.mean, predicted,
-                4 * std::sqrt(with.error * with.error + without.error * without.error) + 0.01 * predicted);
+    const Slab::Measured difference{with.mean - without.mean, std::hypot(with.error, without.error), 0};
+    EXPECT_TRUE(difference.near(predicted, 0.01));
 }
 
-// Albedo 1 in a uniform environment: every pixel has the radiance of the environment.
+// Albedo 1 in a uniform environment: every pixel has the radiance of the environment, whatever the index.
 TEST(Slab, WhiteFurnace) {
-    for (const double tau : {1.0, 4.0}) {
-        Slab slab;
-        slab.dome = true;
-        slab.albedo = 1;
-        slab.coreAlbedo = 1;
-        slab.tau = tau;
-        slab.settings.samples = 256;
-        const Slab::Radiance r = slab.radiance();
-        // Linear interpolation over seven polar nodes costs up to 1.5 % of I_m (THEORY 1, sampling sizes).
-        EXPECT_NEAR(r.mean, 1.0, 4 * r.error + 0.015) << "tau " << tau;
-        EXPECT_LT(r.error, 0.01);
+    for (const double ior : {1.0, 1.3, 1.5}) {
+        for (const double tau : {1.0, 4.0}) {
+            Slab slab;
+            slab.lit = Slab::Lit::Dome;
+            slab.ior = ior;
+            slab.albedo = 1;
+            slab.coreAlbedo = 1;
+            slab.tau = tau;
+            slab.viewCosine = tau > 2 ? 1 : 0.4;
+            slab.settings.samples = 256;
+            EXPECT_TRUE(slab.radiance().near(1, 0.01)) << "index " << ior << ", tau " << tau;
+        }
+    }
+}
+
+// The same where the surface is cut into: voxels that are partly material hold the fluence inside it, and none is read
+// where there is none. With an index, light enters through the relief, the camera through the limit surface.
+TEST(Slab, WhiteFurnaceWithRelief) {
+    for (const double ior : {1.0, 1.4}) {
+        for (const double mu : {1.0, 0.5}) {
+            Slab slab;
+            slab.relief = true;
+            slab.lit = Slab::Lit::Dome;
+            slab.quality = 0.1f;
+            slab.ior = ior;
+            slab.g = 0.5;
+            slab.albedo = 1;
+            slab.coreAlbedo = 1;
+            slab.viewCosine = mu;
+            slab.settings.samples = 256;
+            EXPECT_TRUE(slab.radiance().near(1, 0.015)) << "index " << ior << ", mu " << mu;
+            int said = 0;
+            for (const std::string& m : slab.messages) {
+                said += m.find("does not refract at the relief") != std::string::npos;
+            }
+            EXPECT_EQ(said, ior == 1 ? 0 : 1);
+        }
     }
 }
 
@@ -151,10 +173,10 @@ TEST(Slab, AbsorbingShellOverCore) {
     slab.coreAlbedo = 0.9;
     slab.tau = 1;
     slab.viewCosine = 0.6;
-    const Slab::Radiance r = slab.radiance();
     const HFunction h(0.1);
-    const double exact = std::exp(-1.0) * h.reflectance(1) / kPi * std::exp(-1.0 / 0.6);
-    EXPECT_NEAR(r.mean, exact, 4 * r.error + 2e-3 * exact);
+    Slab::Measured r = slab.radiance();
+    r.table = 0;
+    EXPECT_TRUE(r.near(std::exp(-1.0) * h.reflectance(1) / kPi * std::exp(-1.0 / 0.6), 5e-3));
     bool walked = false;
     for (const PlanEntry& e : slab.plan) {
         walked = walked || (e.stage == "transport" && e.runs);
@@ -163,26 +185,41 @@ TEST(Slab, AbsorbingShellOverCore) {
 }
 
 TEST(Slab, ImageDoesNotDependOnThreads) {
-    Slab slab;
-    slab.coreAlbedo = 0.9;
-    slab.dome = true;
-    slab.settings.samples = 8;
-    slab.settings.threads = 1;
-    const std::vector<float> one = slab.render();
-    slab.settings.threads = 2;
-    EXPECT_EQ(one, slab.render());
-    slab.settings.seed = 1;
-    EXPECT_NE(one, slab.render());
+    for (const double ior : {1.0, 1.5}) {
+        Slab slab;
+        slab.quality = 0.05f;
+        slab.coreAlbedo = 0.9;
+        slab.ior = ior;
+        slab.lit = Slab::Lit::Dome;
+        slab.settings.samples = 8;
+        slab.settings.threads = 1;
+        const std::vector<float> one = slab.render();
+        slab.settings.threads = 2;
+        EXPECT_EQ(one, slab.render());
+        slab.settings.seed = 1;
+        EXPECT_NE(one, slab.render());
+    }
 }
 
 TEST(Slab, TermsSumToColor) {
-    Slab slab;
-    slab.coreAlbedo = 0.9;
-    slab.settings.samples = 16;
-    const std::vector<float> color = slab.render(), single = slab.render(Aov::StfSingle);
-    const std::vector<float> multiple = slab.render(Aov::StfMultiple), core = slab.render(Aov::StfCore);
-    for (std::size_t i = 0; i < std::size_t(Slab::kWidth * Slab::kWidth); ++i) {
-        EXPECT_NEAR(color[i * 4], single[i * 3] + multiple[i * 3] + core[i * 3], 1e-6f);
+    for (const double ior : {1.0, 1.5}) {
+        Slab slab;
+        slab.quality = 0.05f;
+        slab.coreAlbedo = 0.9;
+        slab.ior = ior;
+        slab.lit = Slab::Lit::Dome;
+        slab.settings.samples = 16;
+        const std::vector<float> color = slab.render(), single = slab.render(Aov::StfSingle);
+        const std::vector<float> multiple = slab.render(Aov::StfMultiple), core = slab.render(Aov::StfCore);
+        const std::vector<float> reflection = slab.render(Aov::StfReflection);
+        // Fresnel's reflectance at normal incidence, (n - 1)^2 / (n + 1)^2.
+        const double mirrored = (ior - 1) * (ior - 1) / ((ior + 1) * (ior + 1));
+        for (std::size_t i = 0; i < std::size_t(Slab::kWidth * Slab::kWidth); ++i) {
+            const float sum = single[i * 3] + multiple[i * 3] + core[i * 3] + reflection[i * 3];
+            EXPECT_NEAR(color[i * 4], sum, 1e-6f);
+            EXPECT_NEAR(reflection[i * 3], mirrored, 1e-6);
+            EXPECT_NEAR(color[i * 4 + 3], 1, 1e-6f);
+        }
     }
 }
 

@@ -1,0 +1,352 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stfLib/render/tile_march.h"
+
+#include "stfLib/optics/phase.h"
+#include "stfLib/optics/step_weights.h"
+
+namespace stf {
+
+namespace {
+
+constexpr float kPi = 3.14159265358979f;
+/// Below this the rest of a path is decided by roulette.
+constexpr float kRouletteBelow = 0.01f;
+/// 1 - cosine of the angle by which a frame may turn before lights are folded again.
+constexpr float kSameDirection = 1e-6f;
+/// Added modulo 1 from step to step: multiples of the golden ratio spread evenly over [0, 1), however many.
+constexpr float kGolden = 0.618034f;
+
+const FactoredField* ifAny(const FactoredField& field) {
+    return field.empty() ? nullptr : &field;
+}
+
+// Where the weight of a linear source in a step of optical depth x has its middle, as a share of the step: a source
+// evaluated there is integrated exactly. 1/2 for thin steps, 1/x for thick ones. `transmittance` = exp(-x).
+float stepCentroid(float x, float transmittance) {
+    return x < 0.5f ? 0.5f - x * (1.0f / 12 - x * x * (1.0f / 720))
+                    : 1 / x - (transmittance > 0 ? transmittance / (1 - transmittance) : 0.0f);
+}
+
+// How much of a slope is believed in a voxel of this optical depth. Voxels hold means; above one mean free path their
+// differences say nothing about the inside of a voxel, least of all at the top, where fluence bends. Measured on the
+// exact fluence of a slab of depth 16 (albedo .9 and .99, views at mu .2 to 1): against constant voxels, slopes cut the
+// error of the exit radiance three- to sevenfold at a voxel's depth of 0.25, by a fifth to two thirds at 0.5, and make
+// it larger at 2.
+float slopeTrust(float depth) {
+    return std::clamp(1.5f - depth, 0.0f, 1.0f);
+}
+
+bool sameDirection(const Vec3f& a, const Vec3f& b) {
+    return dot(a, b) > 1 - kSameDirection;
+}
+
+float sum(const Rgb& c) {
+    return c.x + c.y + c.z;
+}
+
+} // namespace
+
+TileMarch::TileMarch(const TileMedium& medium, const StfTable& table)
+    : medium_(medium), table_(table), voxelHeightMm_(float(medium.voxelMm().z)) {
+    if (medium.scatters()) {
+        multiple_ = ifAny(table.multiple.get());
+        single_ = ifAny(table.single.get());
+        emitted_ = medium.emits() ? ifAny(table.emitted.get()) : nullptr;
+    }
+}
+
+void TileMarch::begin(PixelSampler& sampler, Shift shift) {
+    const Vec2f first = sampler.next2d(), second = sampler.next2d(), third = sampler.next2d();
+    shift_ = shift == Shift::Random ? Vec2f(first.x - 0.5f, first.y - 0.5f) : Vec2f(0, 0);
+    offset_ = {second.x - 0.5f, second.y - 0.5f};
+    slopePick_ = third.x;
+    flightPick_ = third.y;
+    pick_ = sampler.next2d();
+    transmittance_ = Rgb(1.0f);
+    sum_ = {};
+    chosen_ = {};
+    weightSum_ = 0;
+    ended_ = framed_ = chosenHere_ = false;
+}
+
+void TileMarch::setFrame(const MarchLight* lights, int count, const Vec3f& towardsViewer) {
+    bool same = framed_ && std::size_t(count) == lights_.size() && sameDirection(viewer_, towardsViewer);
+    for (int l = 0; l < count && same; ++l) {
+        const MarchLight &a = lights[l], &b = lights_[std::size_t(l)];
+        same = sameDirection(a.towards, b.towards) && a.forSingle == b.forSingle && a.forMultiple == b.forMultiple;
+    }
+    if (same) {
+        return;
+    }
+    if (chosenHere_) {
+        chosenLights_.swap(lights_);
+        chosenViewer_ = viewer_;
+        chosenHere_ = false;
+    }
+    lights_.assign(lights, lights + count);
+    viewer_ = towardsViewer;
+    framed_ = true;
+    foldFrame();
+}
+
+void TileMarch::foldFrame() {
+    wantsSingle_ = false;
+    for (const MarchLight& l : lights_) {
+        wantsSingle_ = wantsSingle_ || (maxComponent(l.forSingle) > 0 && l.towards.z > 0);
+    }
+    if (multiple_) {
+        foldedLights_.clear(*multiple_);
+        for (const MarchLight& l : lights_) {
+            if (maxComponent(l.forMultiple) > 0) {
+                foldedLights_.add(*multiple_, table_.directions, l.towards, l.forMultiple, viewer_);
+            }
+        }
+    }
+    if (single_) {
+        foldedSingle_.resize(std::max(foldedSingle_.size(), lights_.size()));
+        const Vec3f axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+        for (std::size_t l = 0; l < lights_.size(); ++l) {
+            for (std::size_t a = 0; a < 3; ++a) {
+                foldedSingle_[l][a].clear(*single_);
+                foldedSingle_[l][a].add(*single_, table_.directions, lights_[l].towards, lights_[l].forSingle, axes[a]);
+            }
+        }
+    }
+    foldOne(backlight_, foldedCore_);
+    foldOne(emitted_, foldedEmission_);
+}
+
+// A field without light directions.
+void TileMarch::foldOne(const FactoredField* field, FoldedLight& light) const {
+    if (field) {
+        light.clear(*field);
+        light.add(*field, DirectionSet(1, 1), {0, 0, 1}, Rgb(1.0f), viewer_);
+    }
+}
+
+void TileMarch::openBacklight() {
+    backlightOpen_ = true;
+    backlight_ = medium_.scatters() ? ifAny(table_.backlight.get()) : nullptr;
+    foldOne(backlight_, foldedCore_);
+}
+
+FieldValue TileMarch::valueAt(std::size_t item, const Rgb& coreRadiance) const {
+    FieldValue v;
+    if (multiple_ && !foldedLights_.dark()) {
+        v = multiple_->at(item, foldedLights_);
+    }
+    if (backlight_ && maxComponent(coreRadiance) > 0) {
+        const FieldValue b = backlight_->at(item, foldedCore_);
+        v.fluence += coreRadiance * b.fluence;
+        v.fluxAlong += coreRadiance * b.fluxAlong;
+    }
+    if (emitted_) {
+        const FieldValue e = emitted_->at(item, foldedEmission_);
+        v.fluence += e.fluence;
+        v.fluxAlong += e.fluxAlong;
+    }
+    return v;
+}
+
+// The field at a point of a voxel. Laterally the table is read with the path's offset. In depth it is linear within
+// each voxel: the voxel's mean, which it keeps, and the slope of its neighbours (one-sided in the first and the last
+// layer, where it is an extrapolation), after the piecewise linear method (van Leer 1979, "Towards the Ultimate
+// Conservative Difference Scheme V"). Being linear, it does not depend on where a path is cut into steps.
+// Most steps have their weight near the middle of a voxel and would read two more voxels for next to nothing: the slope
+// is added with a chance that equals its share, full, except where it matters most.
+FieldValue TileMarch::fieldAt(const Vec3f& p, const TileMedium::Voxel& voxel, std::size_t& item,
+                              const Rgb& coreRadiance) {
+    const Vec3i &size = medium_.size(), &tableSize = table_.size;
+    int x = int(std::floor(p.x + offset_.x)), y = int(std::floor(p.y + offset_.y));
+    const int z = std::clamp(int(p.z), 0, size.z - 1);
+    // Beside the surface of a relief there may be no material to read from; there is at the point itself.
+    const auto fill = [&](int layer) {
+        return medium_.fill(std::size_t(TileTracer::wrap(x, size.x)) +
+                            std::size_t(size.x) *
+                                (std::size_t(TileTracer::wrap(y, size.y)) + std::size_t(size.y) * std::size_t(layer)));
+    };
+    const bool relief = medium_.hasSurface();
+    if (relief && !(fill(z) > 0)) {
+        x = int(std::floor(p.x));
+        y = int(std::floor(p.y));
+    }
+    const std::size_t layer = std::size_t(tableSize.x) * std::size_t(tableSize.y);
+    item = (layer > 1 ? std::size_t(TileTracer::wrap(x, tableSize.x)) +
+                            std::size_t(tableSize.x) * std::size_t(TileTracer::wrap(y, tableSize.y))
+                      : 0) +
+           layer * std::size_t(z);
+    FieldValue v = valueAt(item, coreRadiance);
+
+    float along = (p.z - float(z) - 0.5f) * slopeTrust(average(voxel.extinction) * voxelHeightMm_);
+    bool above = z > 0, below = z + 1 < size.z;
+    if (above && below) {
+        slopePick_ += kGolden;
+        slopePick_ -= slopePick_ < 1 ? 0.0f : 1.0f;
+        along = slopePick_ < std::abs(along) ? std::copysign(1.0f, along) : 0.0f;
+    }
+    if (relief && along != 0) {
+        const bool whole = fill(z) >= 1;
+        above = above && whole && fill(z - 1) >= 1;
+        below = below && whole && fill(z + 1) >= 1;
+    }
+    if (along == 0 || !(above || below)) {
+        return v;
+    }
+    const FieldValue up = above ? valueAt(item - layer, coreRadiance) : v;
+    const FieldValue down = below ? valueAt(item + layer, coreRadiance) : v;
+    const float scale = above && below ? 0.5f : 1.0f;
+    const Rgb slope = (down.fluence - up.fluence) * scale;
+    // From 0 to twice the mean, from one face of the voxel to the other.
+    float limit = 1;
+    for (int c = 0; c < 3; ++c) {
+        const float most = 2 * std::max(v.fluence[c], 0.0f);
+        limit = std::abs(slope[c]) * limit > most ? most / std::abs(slope[c]) : limit;
+    }
+    v.fluence += slope * (along * limit);
+    v.fluxAlong += (down.fluxAlong - up.fluxAlong) * (scale * along * limit);
+    return v;
+}
+
+// In-scattered radiance of light before its first collision from the table: per light the phase function around the
+// mean direction, widened as the directions are. A Henyey-Greenstein spread of mean cosine r = |F| / I, seen through
+// the phase function g, is the one of g r: exact for parallel light and in the first moment for any.
+Rgb TileMarch::storedSingle(std::size_t item, float g) const {
+    Rgb radiance(0.0f);
+    for (std::size_t l = 0; l < lights_.size(); ++l) {
+        const AxisLight& axes = foldedSingle_[l];
+        if (axes[0].dark()) {
+            continue;
+        }
+        const FieldValue x = single_->at(item, axes[0]);
+        Vec3f direction = -lights_[l].towards; // without flux no voxel turns light one way more than another
+        float concentration = 1;
+        if (single_->hasFlux()) {
+            const Vec3f flux{sum(x.fluxAlong), sum(single_->at(item, axes[1]).fluxAlong),
+                             sum(single_->at(item, axes[2]).fluxAlong)};
+            const float total = sum(x.fluence), net = length(flux);
+            concentration = total > 0 ? std::min(1.0f, net / total) : 0.0f;
+            direction = net > 0 ? flux / net : direction;
+        }
+        radiance += x.fluence * henyeyGreenstein(g * concentration, direction, viewer_);
+    }
+    return radiance;
+}
+
+bool TileMarch::segment(Vec3f position, const Vec3f& perMm, float lengthMm, const Rgb& coreRadiance) {
+    if (ended_) {
+        return false;
+    }
+    if (!backlightOpen_ && maxComponent(coreRadiance) > 0) {
+        openBacklight();
+    }
+    position.x += shift_.x;
+    position.y += shift_.y;
+    // Facets and interpolation may start a ray a hair outside of the tile.
+    position.z = std::clamp(position.z, 0.0f, float(medium_.size().z));
+    const bool emits = medium_.emits(), candidates = wantsSingle_ && !single_;
+    const bool field = multiple_ || emitted_ || backlight_, grey = medium_.greyExtinction();
+
+    medium_.traverse(position, perMm, lengthMm, [&](int index, float a, float b) {
+        const TileMedium::Voxel& m = medium_.voxel(std::size_t(index));
+        const float h = b - a;
+        if (!(maxComponent(m.extinction) > 0)) {
+            if (emits) {
+                sum_.multiple += transmittance_ * medium_.emission(std::size_t(index)) * h;
+            }
+            return true;
+        }
+        const StepWeightsRgb w = stepWeights(m.extinction * h);
+        const Rgb seen = transmittance_ * w.phi1 * h;
+        if (emits) {
+            sum_.multiple += seen * medium_.emission(std::size_t(index));
+        }
+        const Rgb scattered = seen * m.scattering;
+        if (maxComponent(scattered) > 0) {
+            if (field || single_) {
+                const float x = grey ? m.extinction.x * h : average(m.extinction) * h;
+                const float middle = stepCentroid(x, grey ? w.transmittance.x : std::exp(-x));
+                std::size_t item = 0;
+                FieldValue v = fieldAt(position + perMm * (a + middle * h), m, item, coreRadiance);
+                if (m.gScaled != 0) {
+                    v.fluence += v.fluxAlong * (3 * m.gScaled);
+                }
+                sum_.multiple += scattered * v.fluence * (m.keep / (4 * kPi));
+                if (single_ && wantsSingle_) {
+                    sum_.single += scattered * storedSingle(item, m.g);
+                }
+            }
+            if (candidates) {
+                // Weighted reservoir of one (Chao 1982): in the end each step was chosen with probability weight / sum.
+                const float weight = average(scattered);
+                weightSum_ += weight;
+                if (pick_.x * weightSum_ < weight) {
+                    pick_.x = pick_.x * weightSum_ / weight; // uniform again
+                    chosen_ = {transmittance_, position + perMm * a, perMm, h, weight, index};
+                    chosenHere_ = true;
+                } else {
+                    pick_.x = (pick_.x * weightSum_ - weight) / std::max(weightSum_ - weight, 1e-30f);
+                }
+                pick_.x = std::clamp(pick_.x, 0.0f, 0.99999994f);
+            }
+        }
+
+        transmittance_ *= w.transmittance;
+        if (maxComponent(transmittance_) < kRouletteBelow) {
+            // Unbiased: survivors carry the weight of those that end here.
+            if (pick_.y < 0.25f) {
+                pick_.y *= 4;
+                transmittance_ *= 4.0f;
+            } else {
+                pick_.y = (pick_.y - 0.25f) / 0.75f; // uniform again
+                transmittance_ = Rgb(0.0f);
+                ended_ = true;
+                return false;
+            }
+        }
+        return true;
+    });
+    return !ended_;
+}
+
+// A point of the chosen step by the free flight of one channel, weighted by the mean density of all three, so that no
+// weight exceeds three whatever the channels' extinctions are (one-sample balance heuristic; Wilkie et al. 2014, "Hero
+// Wavelength Spectral Sampling"). Single scattering has the true phase function and the light's own attenuation through
+// the tile.
+Rgb TileMarch::chosenSingle() const {
+    Rgb single(0.0f);
+    if (chosen_.voxel < 0) {
+        return single;
+    }
+    const TileMedium::Voxel& m = medium_.voxel(std::size_t(chosen_.voxel));
+    const float h = chosen_.lengthMm, u = flightPick_;
+    const auto density = [&](float k, float x) {
+        return k * h > 1e-4f ? k * std::exp(-k * x) / -std::expm1(-k * h) : 1 / h;
+    };
+    const float kappa = m.extinction[std::min(2, int(pick_.y * 3))];
+    const float s = kappa * h > 1e-4f ? std::min(h, -std::log1p(u * std::expm1(-kappa * h)) / kappa) : u * h;
+    const float mean = (density(m.extinction.x, s) + density(m.extinction.y, s) + density(m.extinction.z, s)) / 3;
+    const Rgb path = chosen_.transmittance * exp(-m.extinction * s) * m.scattering *
+                     (weightSum_ / chosen_.weight / std::max(mean, 1e-30f));
+    const Vec3f p = chosen_.position + chosen_.perMm * s;
+    const Vec3f& viewer = chosenHere_ ? viewer_ : chosenViewer_;
+    for (const MarchLight& l : chosenHere_ ? lights_ : chosenLights_) {
+        if (!(l.towards.z > 0) || !(maxComponent(l.forSingle) > 0)) {
+            continue;
+        }
+        const UncollidedLight light = medium_.uncollided(p, l.towards);
+        single += path * l.forSingle * light.fraction * henyeyGreenstein(m.g, -light.towards, viewer);
+        if (medium_.openBottom()) {
+            const Vec3f up{-light.towards.x, -light.towards.y, light.towards.z};
+            single += path * l.forSingle * light.reflected * henyeyGreenstein(m.g, up, viewer);
+        }
+    }
+    return single;
+}
+
+TileRadiance TileMarch::finish() {
+    TileRadiance r = sum_;
+    r.single += chosenSingle();
+    return r;
+}
+
+} // namespace stf

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "stfLib/base/sampler.h"
+#include "stfLib/transport/stf_table.h"
+#include "stfLib/transport/tile_medium.h"
+
+#include <array>
+#include <vector>
+
+namespace stf {
+
+/// One light of a path as the tile sees it, with the visibility by other geometry already in it.
+struct MarchLight {
+    Vec3f towards{0, 0, 1}; ///< unit, outside of the medium, tile frame (z outward)
+    Rgb forSingle{0.0f};    ///< perpendicular irradiance outside, exact visibility
+    Rgb forMultiple{0.0f};  ///< perpendicular irradiance outside, visibility averaged over the diffusion disc
+};
+
+/// Radiance inside the medium that a path collects. Emission that reaches the eye directly counts as multiple.
+struct TileRadiance {
+    Rgb single{0.0f}, multiple{0.0f};
+};
+
+/// Marches straight pieces through a tile (DESIGN 3.3, 3.8):
+///   L = INT Tr [ kappa a SUM_l f_HG(w_l, w) I_0 I_s + kappa' a' (I + 3 g' F.w) / 4 pi + emission ] ds
+/// with I, F the fluence and net flux of the table: I_m of the lights, I_b of the core and of the emission; kappa'
+/// attenuates. Steps end where tile voxels do and are integrated in closed form (optics/step_weights.h).
+///
+/// Multiple scattering is summed over all steps. Single scattering is taken at one step, chosen by its weight
+/// (unbiased), with the light's own attenuation through the tile; only where the table stores it (under a refracting
+/// relief) it is summed over all steps as well.
+///
+/// Use: begin, then setFrame and segment for each straight piece, then finish. One path at a time; keeps its buffers.
+/// Reads parts of the table at their first use, which throws Error where the file is damaged.
+class TileMarch {
+public:
+    TileMarch(const TileMedium& medium, const StfTable& table);
+
+    /// Whether a path sees the tile shifted at random by less than a voxel along x and y: the image is then that of
+    /// the voxels under a box filter of one voxel, so no single voxel shows its faces. `None`: the voxels as they are.
+    enum class Shift { Random, None };
+    /// Starts a path. Draws the same count of random numbers whatever `shift` says. Either way the table is read with
+    /// a lateral offset of its own, which makes the expectation bilinear in x and y.
+    void begin(PixelSampler& sampler, Shift shift = Shift::Random);
+
+    /// Lights (copied) and the unit direction of the light that reaches the camera, inside the medium, both in the
+    /// tile's frame at the next segments. Cheap where they hardly differ from the last ones: below 1.5 milliradians
+    /// those are kept.
+    void setFrame(const MarchLight* lights, int count, const Vec3f& towardsViewer);
+
+    /// Marches `lengthMm` from a position (voxel units, z inward, clamped into the tile) along a direction in voxels
+    /// per mm. `coreRadiance` is what leaves the core below. False once roulette has ended the path.
+    bool segment(Vec3f position, const Vec3f& voxelsPerMm, float lengthMm, const Rgb& coreRadiance = Rgb(0.0f));
+
+    /// What is left of light that comes the other way through all segments so far; zero after roulette ended the path.
+    const Rgb& transmittance() const { return transmittance_; }
+    /// All that was collected since `begin`.
+    TileRadiance finish();
+
+private:
+    // A step that single scattering may be taken from.
+    struct Candidate {
+        Rgb transmittance;     // in front of the step
+        Vec3f position, perMm; // of its start
+        float lengthMm = 0, weight = 0;
+        int voxel = -1;
+    };
+    // A light of a refracting relief, folded for three axes: its fluence and the three components of its flux.
+    using AxisLight = std::array<FoldedLight, 3>;
+
+    void foldFrame();
+    void foldOne(const FactoredField* field, FoldedLight& light) const;
+    void openBacklight();
+    FieldValue valueAt(std::size_t item, const Rgb& coreRadiance) const;
+    FieldValue fieldAt(const Vec3f& position, const TileMedium::Voxel& voxel, std::size_t& item,
+                       const Rgb& coreRadiance);
+    Rgb storedSingle(std::size_t item, float g) const;
+    Rgb chosenSingle() const;
+
+    const TileMedium& medium_;
+    const StfTable& table_;
+    const FactoredField* multiple_ = nullptr; // null where there is nothing in it
+    const FactoredField* single_ = nullptr;
+    const FactoredField* emitted_ = nullptr;
+    const FactoredField* backlight_ = nullptr;
+    bool backlightOpen_ = false; // read only once a core shines
+    float voxelHeightMm_;
+
+    // Of the path.
+    Vec2f shift_, offset_, pick_;
+    float slopePick_ = 0, flightPick_ = 0;
+    Rgb transmittance_{1.0f};
+    TileRadiance sum_;
+    Candidate chosen_;
+    float weightSum_ = 0;
+    bool ended_ = false;
+
+    // Of the frame; the chosen step keeps that in which it was taken.
+    bool framed_ = false, chosenHere_ = false, wantsSingle_ = false;
+    std::vector<MarchLight> lights_, chosenLights_;
+    Vec3f viewer_, chosenViewer_;
+    FoldedLight foldedLights_, foldedCore_, foldedEmission_;
+    std::vector<AxisLight> foldedSingle_;
+};
+
+} // namespace stf
