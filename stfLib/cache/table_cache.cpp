@@ -1,54 +1,50 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stfLib/cache/table_cache.h"
 
+#include "stfLib/cache/cache_settings.h"
 #include "stfLib/transport/precompute.h"
 
 #include <atomic>
-#include <cstdlib>
 #include <filesystem>
 
 namespace stf {
 
-namespace {
-
-namespace fs = std::filesystem;
-
-fs::path defaultFolder() {
-    if (const char* dir = std::getenv("HDSTF_CACHE_DIR"); dir && *dir) {
-        return dir;
-    }
-    if (const char* dir = std::getenv("XDG_CACHE_HOME"); dir && *dir) {
-        return fs::path(dir) / "hdstf";
-    }
-    const char* home = std::getenv("HOME");
-    return fs::path(home && *home ? home : "/tmp") / ".cache" / "hdstf";
+std::unique_ptr<ContentStore> tableStore(const std::string& folder) {
+    const std::filesystem::path parent = folder.empty() ? cacheFolder() : folder;
+    return std::make_unique<ContentStore>((parent / "tables").string(), cacheLimit().bytes);
 }
 
-} // namespace
-
 TableProvider cachedTables(std::string folder) {
-    const fs::path tables = (folder.empty() ? defaultFolder() : fs::path(folder)) / "tables";
-    const auto reported = std::make_shared<std::atomic<bool>>(false);
-    return [tables, reported](const std::shared_ptr<const BaseVolume>& volume, const TransportOptions& options,
-                              Progress& progress, const MessageSink& messages) -> std::shared_ptr<const StfTable> {
-        const std::string key = volume->contentHash() + ";" + options.key();
-        // The key's own text is in the file; its hash only names it.
-        const fs::path file = tables / (contentHashOf(key) + ".vdb");
-        std::error_code error;
-        if (fs::exists(file, error)) {
-            try {
-                return std::make_shared<const StfTable>(readTable(file.string(), key));
-            } catch (const std::exception& e) {
-                report(messages, Severity::Info, std::string("a cached table is made again: ") + e.what());
-            }
+    struct State {
+        std::unique_ptr<ContentStore> store;
+        std::string complaint;
+        std::atomic<bool> complained{false};
+    };
+    const auto state = std::make_shared<State>();
+    state->store = tableStore(folder);
+    state->complaint = cacheLimit().complaint;
+    return [state](const std::shared_ptr<const BaseVolume>& volume, const TransportOptions& options, Progress& progress,
+                   const MessageSink& messages) -> std::shared_ptr<const StfTable> {
+        if (!state->complaint.empty() && !state->complained.exchange(true)) {
+            report(messages, Severity::Warning, state->complaint);
         }
-        auto table = std::make_shared<const StfTable>(precompute(*volume, options, progress, messages));
-        try {
-            writeTable(*table, key, file.string());
-        } catch (const std::exception& e) {
-            if (!reported->exchange(true)) {
-                report(messages, Severity::Warning, std::string("tables are not kept: ") + e.what());
-            }
+        const std::string key = volume->contentHash() + ";" + options.key();
+        std::shared_ptr<const StfTable> table;
+        StoreRecipe recipe;
+        recipe.read = [&](const std::shared_ptr<const StoreEntry>& entry) {
+            // The table keeps its entry: it may read parts of the file later.
+            table = {new StfTable(readTable(entry->path(), key)), [entry](const StfTable* t) { delete t; }};
+        };
+        bool made = false;
+        recipe.make = [&] {
+            made = true;
+            table = std::make_shared<const StfTable>(precompute(*volume, options, progress, messages));
+        };
+        recipe.write = [&](const std::string& path) { writeTable(*table, key, path); };
+        state->store->fetch(key, recipe, progress, messages);
+        // What is stored is rounded: a frame must not differ from the next run's, which will read it.
+        if (const auto entry = made ? state->store->find(key) : nullptr) {
+            recipe.read(entry);
         }
         return table;
     };
