@@ -2,6 +2,8 @@
 #include "stfLib/transport/stf_table.h"
 #include "stfLib/volume/volume_io.h"
 #include "tools/stf/commands.h"
+#include "tools/stf/raw_dump.h"
+#include "tools/stf/table_json.h"
 
 #include <cstdio>
 #include <memory>
@@ -48,29 +50,20 @@ nlohmann::json describe(const BaseVolume& v) {
             {"hash", v.contentHash()}};
 }
 
-nlohmann::json describe(const StfTable& t) {
-    return {{"kind", "transport table"},
-            {"form", t.form},
-            {"size", {t.size.x, t.size.y, t.size.z}},
-            {"polars", t.directions.polars()},
-            {"azimuths", t.directions.azimuths()},
-            {"photons", t.photonsPerDirection},
-            {"relativeError", t.relativeError},
-            {"bytes", t.bytes()},
-            {"seconds", t.seconds},
-            {"volume", t.volumeHash}};
-}
-
-void run(const std::string& path, bool json) {
+void run(const std::string& path, const std::string& raw, bool json) {
+    const MessageSink messages = [](Severity, const std::string& t) { std::fprintf(stderr, "%s\n", t.c_str()); };
+    if (!raw.empty()) {
+        writeRaw(readBaseVolume(path, messages), raw);
+        return;
+    }
     nlohmann::json j;
     std::string reason;
     try {
-        j = describe(
-            readBaseVolume(path, [](Severity, const std::string& t) { std::fprintf(stderr, "%s\n", t.c_str()); }));
+        j = describe(readBaseVolume(path, messages));
     } catch (const Error& e) {
         reason = e.what();
         try {
-            j = describe(readTable(path, ""));
+            j = describeTable(readTable(path, ""));
         } catch (const Error&) {
             throw Error(reason);
         }
@@ -89,13 +82,15 @@ void run(const std::string& path, bool json) {
 void addInspectCommand(CLI::App& app) {
     auto* command = app.add_subcommand("inspect", "Print what a base volume or a table holds");
     struct Arguments {
-        std::string path;
+        std::string path, raw;
         bool json = false;
     };
     auto a = std::make_shared<Arguments>();
     command->add_option("file", a->path, "Base volume or table (.vdb)")->required();
+    command->add_option("--raw", a->raw,
+                        "Write the volume into this folder instead: volume.json and a file of floats for each grid");
     command->add_flag("--json", a->json, "Print a line of JSON");
-    command->callback([a] { run(a->path, a->json); });
+    command->callback([a] { run(a->path, a->raw, a->json); });
 }
 
 } // namespace stf

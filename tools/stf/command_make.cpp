@@ -64,8 +64,12 @@ void addMakeCommand(CLI::App& app) {
     command->add_option("--extinction", a->extinction, "uniform: 1/mm, one number or R,G,B")
         ->delimiter(',')
         ->expected(1, 3);
-    command->add_option("--albedo", a->albedo, "uniform: 0 to 1, one number or R,G,B")->delimiter(',')->expected(1, 3);
-    command->add_option("--g", a->options.g, "uniform: mean cosine of the phase function");
+    command->add_option("--albedo", a->albedo, "uniform, random: 0 to 1, one number or R,G,B")
+        ->delimiter(',')
+        ->expected(1, 3);
+    command->add_option("--g", a->options.g, "uniform, random: mean cosine of the phase function");
+    command->add_option("--ratio", a->options.ratio, "random: largest extinction over smallest");
+    command->add_option("--tau", a->options.tau, "random: mean optical depth from top to bottom");
     command->add_flag("--json", a->json, "Print a line of JSON");
     command->callback([a] {
         if (a->extinction.size() == 2 || a->albedo.size() == 2) {

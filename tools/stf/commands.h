@@ -14,5 +14,8 @@ enum ExitCode { kDone = 0, kFailed = 2, kUsage = 64 };
 void addMakeCommand(CLI::App& app);
 void addPrecomputeCommand(CLI::App& app);
 void addInspectCommand(CLI::App& app);
+void addCacheCommand(CLI::App& app);
+void addSlabCommand(CLI::App& app);
+void addMapCommand(CLI::App& app);
 
 } // namespace stf

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// stf: makes, precomputes and inspects base volumes.
+// stf: makes, precomputes and inspects base volumes, looks after the cache of their tables, and computes slabs and flat
+// tiles.
 
 #include "stfLib/base/error.h"
 #include "tools/stf/commands.h"
@@ -12,6 +13,9 @@ int main(int argc, char** argv) {
     stf::addMakeCommand(app);
     stf::addPrecomputeCommand(app);
     stf::addInspectCommand(app);
+    stf::addCacheCommand(app);
+    stf::addSlabCommand(app);
+    stf::addMapCommand(app);
     try {
         app.parse(argc, argv);
         return stf::kDone;
