@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Times of the chain on this machine: tables, shells, frames.
+"""Times of the chain on this machine: light transport (transport.py), shells, frames.
 
-Usage: run.py [--build FOLDER] [--quick]
+Usage: run.py [--build FOLDER] [--quick] [--only transport|frames] [--mitsuba-python PYTHON]
 
-Prints a table and writes FOLDER/bench/results.json. Machines are noisy: compare numbers of one run with each other
-(ratios), not with those of another day.
+Prints tables and writes FOLDER/bench/transport.json and results.json. Machines are noisy: compare numbers of one run
+with each other (ratios), not with those of another day.
 """
 
 import argparse
@@ -13,13 +13,7 @@ import pathlib
 import subprocess
 import tempfile
 
-
-def precompute(build, volume, quality):
-    """One table from nothing, in an empty store."""
-    with tempfile.TemporaryDirectory() as cache:
-        command = [build / "bin/stf", "precompute", volume, "--quality", str(quality), "--cache", cache, "--json"]
-        output = subprocess.run(command, check=True, capture_output=True, text=True).stdout
-    return json.loads(output)
+import transport
 
 
 def render(build, scene, samples, width):
@@ -32,28 +26,15 @@ def render(build, scene, samples, width):
         return json.loads(stats.read_text())
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--build", type=pathlib.Path, default=pathlib.Path(__file__).resolve().parent.parent / "build")
-    parser.add_argument("--quick", action="store_true", help="small frames, coarse tables")
-    arguments = parser.parse_args()
-    build = arguments.build.resolve()
+def frames(build, quick):
+    """Frames of the examples at two numbers of samples."""
     examples = build / "usd_examples"
-    results = {"tables": [], "frames": []}
-
-    print(f"{'table':<12}{'quality':>9}{'photons':>10}{'noise %':>9}{'MB':>7}{'s':>8}")
-    for name in ("marble", "wax"):
-        for quality in (0.1,) if arguments.quick else (0.1, 0.05, 0.02):
-            r = precompute(build, examples / "volumes" / f"{name}.vdb", quality)
-            results["tables"].append({"volume": name, "quality": quality, **r})
-            print(f"{name:<12}{quality:>9}{r['photons']:>10}{100 * r['relativeError']:>9.1f}"
-                  f"{r['bytes'] / 1e6:>7.1f}{r['seconds']:>8.1f}")
-
+    results = {"frames": []}
     print(f"\n{'frame':<14}{'samples':>8}{'shell s':>9}{'core s':>8}{'render s':>10}{'error %':>9}{'Mrays/s':>9}")
-    width = 160 if arguments.quick else 400
+    width = 160 if quick else 400
     for name in ("marble_slab", "wax_sphere", "hero"):
         render(build, examples / f"{name}.usda", 1, 32)  # fills the store
-        for samples in (4, 16) if arguments.quick else (16, 64):
+        for samples in (4, 16) if quick else (16, 64):
             s = render(build, examples / f"{name}.usda", samples, width)
             seconds = s["seconds"]
             results["frames"].append({"scene": name, **s})
@@ -64,6 +45,17 @@ def main():
     target.parent.mkdir(exist_ok=True)
     target.write_text(json.dumps(results, indent=1))
     print(f"\n{target}")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    transport.add_options(parser)
+    parser.add_argument("--only", choices=("transport", "frames"))
+    arguments = parser.parse_args()
+    if arguments.only != "frames":
+        transport.main(arguments)
+    if arguments.only != "transport":
+        frames(arguments.build.resolve(), arguments.quick)
 
 
 if __name__ == "__main__":
