@@ -186,11 +186,15 @@ def Xform "World"
         token primvars:stf:mapping = "uv" (
             interpolation = "constant"
         )
+        float primvars:stf:quality = 0.08 (
+            doc = "Coarser than the default of 0.02, for a quick first picture."
+            interpolation = "constant"
+        )
         float primvars:stf:thickness = {SHELL} (
             doc = "The wall is {WALL} cm thick: a shell from either side fits, the sample is cropped to it."
             interpolation = "constant"
         )
-        token primvars:stf:transport = "classic" (
+        token primvars:stf:transport = "dE1" (
             interpolation = "constant"
         )
     }}

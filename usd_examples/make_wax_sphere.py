@@ -94,7 +94,11 @@ def Xform "World"
         token primvars:stf:mapping = "uv" (
             interpolation = "constant"
         )
-        token primvars:stf:transport = "classic" (
+        float primvars:stf:quality = 0.08 (
+            doc = "Coarser than the default of 0.02, for a quick first picture."
+            interpolation = "constant"
+        )
+        token primvars:stf:transport = "dE1" (
             interpolation = "constant"
         )
     }}
