@@ -373,6 +373,7 @@ void Walker::walk(std::uint64_t photon, int channel) {
     CounterRng rng(request_.seed + 0x9e3779b97f4a7c15ull * (request_.source + 1), photon);
     Photon<Channels> p;
     const std::vector<float>& extinction = m_.extinction_[m_.grey_ ? 0 : channel];
+    const bool oneColumn = m_.size_.x == 1 && m_.size_.y == 1;
     const bool surface = m_.hasSurface(), refracts = m_.refracts_, sees = request_.towardsViewer.z > 0;
 
     bool alive = start(p, rng, channel);
@@ -388,7 +389,9 @@ void Walker::walk(std::uint64_t photon, int channel) {
         int hit = -1, hitX = 0, hitY = 0, hitZ = 0, lastX = 0, lastY = 0;
         double stop = 0;
         bool meets = false;
-        const Vec3d step{double(p.direction.x) * perMm_.x, double(p.direction.y) * perMm_.y,
+        // In a single column nothing depends on x and y: no walls are crossed there.
+        const double across = oneColumn ? 0.0 : 1.0;
+        const Vec3d step{across * double(p.direction.x) * perMm_.x, across * double(p.direction.y) * perMm_.y,
                          double(p.direction.z) * perMm_.z};
         const Vec3f positionF(p.position), stepF(step);
         std::vector<float>& tracks = p.collided ? collided_ : uncollided_;
