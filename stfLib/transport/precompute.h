@@ -15,7 +15,7 @@ struct TransportOptions {
     TransportForm form = TransportForm::DE1;
     bool openBottom = false; ///< the bottom is an interface to outside too, for slabs without a core
     /// Photons of the whole table and channel; reported where it keeps the error above the target.
-    std::uint64_t maxPhotons = 60'000'000;
+    std::uint64_t maxPhotons = 150'000'000;
     int polars = 0;     ///< polar nodes below 90 degrees; 0: chosen
     int azimuths = 0;   ///< azimuths of each ring, 1 or even; 0: chosen
     bool filter = true; ///< lateral filter against noise, as wide as its bias allows
