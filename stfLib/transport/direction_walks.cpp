@@ -11,7 +11,7 @@ namespace stf {
 namespace {
 
 constexpr double kTruncationShare = 0.25; // of the wanted error
-constexpr int kMaxRounds = 5;
+constexpr int kMaxRounds = 6;
 
 double sq(double x) {
     return x * x;
@@ -158,10 +158,10 @@ std::vector<DirectionLight> walkDirections(TileWalks& c, StfTable& t) {
         // Where nothing but noise was found, that is what is left.
         report.noise = (field.empty() ? 1.0 : report.noise) * c.weight;
         report.truncation *= c.weight;
-        const double others = t.error.directions * t.error.directions + t.error.filter * t.error.filter +
-                              report.truncation * report.truncation;
-        const double target = std::max(0.25, 1 - others / sq(c.options.quality)) * sq(c.options.quality);
-        const double noise = sq(report.noise);
+        // Directions and filter stay as they are; noise, and what drowns in it and is dropped, fall with photons.
+        const double fixed = sq(t.error.directions) + sq(t.error.filter);
+        const double target = std::max(0.25, 1 - fixed / sq(c.options.quality)) * sq(c.options.quality);
+        const double noise = sq(report.noise) + sq(report.truncation);
         t.error.noise = report.noise;
         t.error.truncation = report.truncation;
         const double spent = c.walks.photons(), left = double(c.options.maxPhotons) - spent;
