@@ -63,7 +63,7 @@ def transport_chapter(bench, maps, images):
         told.update(mitsuba=tables.mitsuba(bench["mitsuba"]),
                     mitsuba_load=f"The machine was not idle (a load of {bench['load']:.1f} on {bench['threads']} "
                                  "processors before it began), so processor time says more than the clock.")
-    if bench and "tileCheck" in bench and maps.exists():
+    if bench and bench.get("tileCheck") and maps.exists():
         check = bench["tileCheck"]
         with np.load(maps) as layers:
             plots.tile(dict(layers), images / "tile_check.png")
