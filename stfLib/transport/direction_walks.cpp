@@ -186,6 +186,7 @@ std::vector<DirectionLight> walkDirections(TileWalks& c, StfTable& t) {
     if (c.medium.refracts() && c.medium.hasSurface()) {
         std::vector<std::vector<float>> single;
         for (DirectionLight& x : d) {
+            c.finish(x.uncollided, c.walks.components()); // slivers and voids beside the surface are read, too
             single.push_back(std::move(x.uncollided));
         }
         t.single = factorise(single, c.walks.components(), options);
