@@ -10,7 +10,7 @@ if(HDSTF_SANITIZE)
 endif()
 
 # The order in which layers stand on each other; a layer may use those before it only.
-set(STF_LAYER_ORDER base optics volume transport surface synthesis shell core render reference cache)
+set(STF_LAYER_ORDER base optics volume acquire transport surface synthesis shell core render reference cache)
 
 # stf_layer(<name> SOURCES ... [LAYERS ...] [LINKS ...])
 #   LAYERS  the layers it uses (transitively known through them as well)
