@@ -182,7 +182,7 @@ MeshSource sourceOf(const Place& p, const std::string& folder) {
 
 MeshPlacement placementOf(const Place& p) {
     MeshPlacement m;
-    m.fit = p.flag("fit");
+    m.fit = p.has("fit") && p.get("fit").is_boolean() ? double(p.flag("fit")) : p.number("fit", 0, 0, kMaxScale);
     m.scale = p.triple("scale", Vec3d(1.0), -kMaxScale, kMaxScale);
     m.rotateDegrees = p.triple("rotate", Vec3d(0.0), -36000, 36000);
     m.translateMm = p.triple("translate", Vec3d(0.0), -kMaxMm, kMaxMm);
