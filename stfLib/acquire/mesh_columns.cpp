@@ -91,8 +91,7 @@ MeshColumns::MeshColumns(MendedMesh mesh, const TileGrid& grid, double maxBytes)
                     if (pass == 0) {
                         ++start_[column(x, y)];
                     } else {
-                        items_[--start_[column(x, y)]] = {std::uint32_t(t),
-                                                          std::int16_t(floorDivide(x, grid_.size.x)),
+                        items_[--start_[column(x, y)]] = {std::uint32_t(t), std::int16_t(floorDivide(x, grid_.size.x)),
                                                           std::int16_t(floorDivide(y, grid_.size.y))};
                     }
                 }
@@ -127,8 +126,8 @@ void MeshColumns::preparePatches() {
                     std::to_string(patchSize_.y) + " x " + std::to_string(patchSize_.z) + " voxels around it)");
     }
     const std::size_t nx = std::size_t(n.x), ny = std::size_t(n.y);
-    // Winding number of the caps at the corners of voxels: where it rounds to the same number all around a voxel that no
-    // cap passes through, that is the number for all of it.
+    // Winding number of the caps at the corners of voxels: where it rounds to the same number all around a voxel that
+    // no cap passes through, that is the number for all of it.
     std::vector<int> corner(nx * ny * std::size_t(n.z));
     parallelFor(corner.size(), nx, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
@@ -140,7 +139,8 @@ void MeshColumns::preparePatches() {
     const double reach = 0.5 * length(h);
     parallelFor(threshold_.size(), std::size_t(patchSize_.x), [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            const std::size_t x = i % std::size_t(patchSize_.x), y = i / std::size_t(patchSize_.x) % std::size_t(patchSize_.y),
+            const std::size_t x = i % std::size_t(patchSize_.x),
+                              y = i / std::size_t(patchSize_.x) % std::size_t(patchSize_.y),
                               z = i / std::size_t(patchSize_.x) / std::size_t(patchSize_.y);
             const int value = corner[x + nx * (y + ny * z)];
             bool same = true;

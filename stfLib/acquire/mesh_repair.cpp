@@ -308,10 +308,9 @@ void orientPieces(TriangleMesh& mesh, const std::vector<std::size_t>& piece, std
         enclosed[p] = enclosedBy(parts[p]);
         boxes[p] = boundsOf(parts[p]);
     }
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::size_t a, std::size_t b) { 
-                         return std::abs(enclosed[a].volume) > std::abs(enclosed[b].volume);
-                     });
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+        return std::abs(enclosed[a].volume) > std::abs(enclosed[b].volume);
+    });
     std::vector<bool> flip(count, false);
     // Where the mesh as a whole faces inward, all of it is turned: cavities then face outward before and inward after.
     const bool all = enclosedBy(mesh).volume < 0;

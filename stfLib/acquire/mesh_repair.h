@@ -16,7 +16,7 @@ struct MeshRepair {
     std::size_t holes = 0;                      ///< loops of edges with one side only
     double boundaryMm = 0;                      ///< their length, in the units of the mesh
     std::size_t crowdedEdges = 0;               ///< edges of more than two triangles
-    double volume = 0; ///< enclosed, in units^3; holes closed by fans
+    double volume = 0;                          ///< enclosed, in units^3; holes closed by fans
     bool sound() const { return degenerate + duplicates + turned + holes + crowdedEdges == 0; }
     /// One sentence without the name of the mesh.
     std::string summary() const;

@@ -19,7 +19,8 @@ struct Sphere {
 /// Spheres by cells as wide as the largest two that touch, periodic along x and y.
 class Neighbourhood {
 public:
-    Neighbourhood(const Vec3d& extent, double depthFrom, double depthTo, double reach) : extent_(extent), from_(depthFrom) {
+    Neighbourhood(const Vec3d& extent, double depthFrom, double depthTo, double reach)
+        : extent_(extent), from_(depthFrom) {
         const Vec3d size(extent.x, extent.y, depthTo - depthFrom);
         for (int k = 0; k < 3; ++k) {
             // With less than three cells the same sphere would be met from both sides; one cell is searched once.

@@ -20,11 +20,11 @@ constexpr double kPi = 3.14159265358979323846;
 TriangleMesh icosphere(int detail) {
     const double t = 0.5 * (1 + std::sqrt(5.0));
     TriangleMesh m;
-    m.points = {{-1, t, 0}, {1, t, 0},   {-1, -t, 0}, {1, -t, 0}, {0, -1, t},  {0, 1, t},
+    m.points = {{-1, t, 0},  {1, t, 0},  {-1, -t, 0}, {1, -t, 0}, {0, -1, t},  {0, 1, t},
                 {0, -1, -t}, {0, 1, -t}, {t, 0, -1},  {t, 0, 1},  {-t, 0, -1}, {-t, 0, 1}};
-    m.triangles = {{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
-                   {11, 10, 2}, {10, 7, 6}, {7, 1, 8},   {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
-                   {3, 8, 9},   {4, 9, 5},  {2, 4, 11},  {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
+    m.triangles = {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
+                   {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
+                   {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
     for (int level = 0; level < detail; ++level) {
         std::map<std::pair<int, int>, int> middles;
         const auto middle = [&](int a, int b) {
@@ -128,8 +128,7 @@ TriangleMesh layer(const MeshSource& s, const Vec3d& extentMm) {
                     top += wave(x % n, y % n, 0);
                     bottom += wave(x % n, y % n, 1);
                 }
-                m.points.push_back(
-                    {extentMm.x * x / n, extentMm.y * y / n, side ? top : std::min(bottom, top)});
+                m.points.push_back({extentMm.x * x / n, extentMm.y * y / n, side ? top : std::min(bottom, top)});
             }
         }
     }
@@ -137,7 +136,8 @@ TriangleMesh layer(const MeshSource& s, const Vec3d& extentMm) {
     for (int y = 0; y < n; ++y) {
         for (int x = 0; x < n; ++x) {
             const int a = x + row * y, b = a + 1, c = a + row, d = c + 1;
-            m.triangles.insert(m.triangles.end(), {{a, c, b}, {b, c, d}, {up + a, up + b, up + c}, {up + b, up + d, up + c}});
+            m.triangles.insert(m.triangles.end(),
+                               {{a, c, b}, {b, c, d}, {up + a, up + b, up + c}, {up + b, up + d, up + c}});
         }
     }
     for (int i = 0; i < n; ++i) {

@@ -5,8 +5,8 @@
 
 namespace stf {
 
-/// A closed mesh of a shape that needs no file (docs/acquire_mesh.md), in the coordinates of a recipe. Round shapes have
-/// the volume of what they stand for, whatever their number of triangles (20 * 4^detail for a sphere).
+/// A closed mesh of a shape that needs no file (docs/acquire_mesh.md), in the coordinates of a recipe. Round shapes
+/// have the volume of what they stand for, whatever their number of triangles (20 * 4^detail for a sphere).
 TriangleMesh makeShape(const MeshSource& source, const Vec3d& extentMm, int detail);
 
 /// The map from a mesh's own coordinates into those of the recipe (mm, z outward).

@@ -51,7 +51,8 @@ double squaredDistance(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec
     }
     const double sum = va + vb + vc;
     // Without an area the edges above have had their turn; rounding may still lead here.
-    return sum > 0 ? squared(ap - ab * (vb / sum) - ac * (vc / sum)) : std::min({squared(ap), squared(bp), squared(cp)});
+    return sum > 0 ? squared(ap - ab * (vb / sum) - ac * (vc / sum))
+                   : std::min({squared(ap), squared(bp), squared(cp)});
 }
 
 } // namespace

@@ -5,9 +5,9 @@
 
 namespace stf {
 
-/// A tree of boxes over triangles: distances, and generalised winding numbers (Jacobson et al. 2013) in the hierarchical
-/// form of Barill et al. 2018, "Fast winding numbers for soups and clouds". Copies the triangles. Immutable, queries
-/// from any number of threads.
+/// A tree of boxes over triangles: distances, and generalised winding numbers (Jacobson et al. 2013) in the
+/// hierarchical form of Barill et al. 2018, "Fast winding numbers for soups and clouds". Copies the triangles.
+/// Immutable, queries from any number of threads.
 class TriangleTree {
 public:
     explicit TriangleTree(const TriangleMesh& mesh);
