@@ -10,7 +10,7 @@ namespace stf {
 
 std::vector<ValueClass> fitGaussianMixture(const ValueHistogram& h, int k) {
     std::vector<ValueClass> classes = classesBetween(h, otsuThresholds(h, k));
-    const double narrowest = h.width(), total = h.total();
+    const double narrowest = std::max(h.width(), (h.hi - h.lo) / 200), total = h.total();
     for (ValueClass& c : classes) {
         c.sigma = std::max(c.sigma, narrowest);
     }

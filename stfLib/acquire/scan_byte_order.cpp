@@ -93,6 +93,14 @@ bool looksByteSwapped(const unsigned char* bytes, ScanType type, bool bigEndian,
     if (type == ScanType::Float32 || type == ScanType::Float64) {
         return absurdShare(asRead) > 0.1 && absurdShare(swapped) < 0.01;
     }
+    // Small numbers in four bytes are multiples of 65536 when they are turned round.
+    const auto multiple = [](float v) { return std::abs(v) >= 65536 && std::fmod(v, 65536.0f) == 0; };
+    const auto small = [](float v) { return std::abs(v) < 65536; };
+    if (bytesOf(type) == 4 && std::any_of(asRead.begin(), asRead.end(), multiple) &&
+        std::all_of(asRead.begin(), asRead.end(), [&](float v) { return v == 0 || multiple(v); }) &&
+        std::all_of(swapped.begin(), swapped.end(), small)) {
+        return true;
+    }
     const double rough = roughness(asRead, rowLength), smooth = roughness(swapped, rowLength);
     return rough > 0.4 && smooth >= 0 && smooth < rough / 3;
 }
