@@ -327,9 +327,12 @@ void acquire(const ScanRecipe& r, Progress& progress, const MessageSink& message
         v.voxelMm = field.voxelMm;
         if (level.wanted) {
             progress.update("surface", 0);
-            const std::vector<float> smooth = smoothLevel(field.size, field.level, r.smooth);
+            v.surface =
+                signedDistance(field.size, field.voxelMm, smoothLevel(field.size, field.level, r.smooth), progress);
+            if (r.smooth > 0) {
+                moveToShare(v.size, v.voxelMm, insideShareOfLevel(v.size, v.voxelMm, field.level), v.surface);
+            }
             field.level = {};
-            v.surface = signedDistance(field.size, field.voxelMm, smooth, progress);
             result.insideShare = insideShare(v.size, v.voxelMm, v.surface);
             if (v.surface.empty()) {
                 report(messages, Severity::Info, "material fills the whole tile: its flat top is the surface");

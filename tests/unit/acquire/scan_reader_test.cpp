@@ -270,7 +270,7 @@ TEST_F(BadScans, WrongByteOrder) {
     // Sixteen bits: values over more than one byte.
     Scan wide = big;
     for (std::size_t i = 0; i < wide.values.size(); ++i) {
-        wide.values[i] = wide.values[i] * 10 + float(i % 32) * 3;
+        wide.values[i] = (wide.values[i] > 125 ? 2000.0f : 500.0f) + float(3 * (i % 32) + i / 32 % 32);
     }
     Bytes b;
     addValues<std::int16_t>(b, wide);
