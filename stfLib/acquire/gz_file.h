@@ -18,6 +18,7 @@ public:
             throw Error(path + ": cannot be opened");
         }
         ::gzbuffer(file_, 1 << 18);
+        ::gzgetc(file_); // learns whether it is packed: only then can it leap in a file that is not
     }
     ~GzFile() { ::gzclose(file_); }
     GzFile(const GzFile&) = delete;

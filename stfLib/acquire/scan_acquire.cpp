@@ -90,7 +90,7 @@ TransferFunction transferOf(const ScanRecipe& r, const Scan& scan, AcquiredScan&
     const ValueHistogram h = histogramOf(scan.values);
     const int k = int(r.materials.size());
     result.classes =
-        r.method == ScanRecipe::Method::Gmm ? fitGaussianMixture(h, k) : classesBetween(h, otsuThresholds(h, k));
+        r.method == ScanRecipe::Method::Gmm ? fitGaussianMixture(h, k) : medianClasses(h, otsuThresholds(h, k));
     return rampsBetween(result.classes);
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stfLib/acquire/scan_reader.h"
 
+#include "stfLib/base/random.h"
 #include "tests/unit/acquire/scan_files.h"
 #include "tests/unit/support/files.h"
 
@@ -269,8 +270,9 @@ TEST_F(BadScans, WrongByteOrder) {
     check(double(), ScanType::Float64);
     // Sixteen bits: values over more than one byte.
     Scan wide = big;
-    for (std::size_t i = 0; i < wide.values.size(); ++i) {
-        wide.values[i] = (wide.values[i] > 125 ? 2000.0f : 500.0f) + float(3 * (i % 32) + i / 32 % 32);
+    CounterRng rng(1, 0);
+    for (float& v : wide.values) {
+        v = (v > 125 ? 2000.0f : 500.0f) + 60 * rng.uniform(); // noise as scanners have it
     }
     Bytes b;
     addValues<std::int16_t>(b, wide);

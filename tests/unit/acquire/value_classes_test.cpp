@@ -87,6 +87,23 @@ TEST(Otsu, ThresholdLiesInTheMiddleOfAGap) {
     EXPECT_THROW(otsuThresholds(h, 1), Error);
 }
 
+TEST(Otsu, MediansLeaveSharedVoxelsOut) {
+    auto values = mixture({{0.5, 100, 8}, {0.5, 500, 8}}, 40000, 8);
+    for (int i = 0; i < 4000; ++i) { // partial volumes of both
+        values.push_back(100 + 0.1f * float(i));
+    }
+    const ValueHistogram h = histogramOf(values);
+    const auto classes = medianClasses(h, {300});
+    EXPECT_NEAR(classes[0].mean, 100, 1.2);
+    EXPECT_NEAR(classes[1].mean, 500, 1.2);
+    EXPECT_NEAR(classes[0].sigma, 8, 1);
+    EXPECT_GT(classesBetween(h, {300})[0].mean, 105);
+    const auto mixed = fitGaussianMixture(h, 2); // its own class for them
+    EXPECT_NEAR(mixed[0].mean, 100, 0.3);
+    EXPECT_NEAR(mixed[1].sigma, 8, 0.3);
+    EXPECT_NEAR(mixed[0].share + mixed[1].share, 1, 1e-9);
+}
+
 TEST(GaussianMixture, FindsItsParts) {
     // Overlapping classes, which thresholds would cut short.
     const std::vector<ValueClass> truth{{0.5, 100, 20}, {0.3, 180, 15}, {0.2, 300, 40}};
