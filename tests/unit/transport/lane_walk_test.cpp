@@ -8,11 +8,6 @@ using namespace stf::test;
 
 namespace {
 
-BaseVolume withIndex(BaseVolume v, double n) {
-    v.ior.assign(v.voxelCount(), float(n));
-    return v;
-}
-
 BaseVolume slab(double tau, double albedo, double g, double n = 1) {
     const BaseVolume v = homogeneous({1, 1, 1}, {1, 1, 1}, Rgb(float(tau)), Rgb(float(albedo)), float(g));
     return n == 1 ? v : withIndex(v, n);
