@@ -18,7 +18,9 @@ public:
             throw Error(path + ": cannot be opened");
         }
         ::gzbuffer(file_, 1 << 18);
-        ::gzgetc(file_); // learns whether it is packed: only then can it leap in a file that is not
+        // Learns whether the file is packed: only then can it leap in one that is not.
+        char first;
+        (void)::gzread(file_, &first, 1);
     }
     ~GzFile() { ::gzclose(file_); }
     GzFile(const GzFile&) = delete;

