@@ -7,9 +7,9 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr std::size_t kLeaf = 6;
-// A node further away than this many radii counts as its dipole; what is left is the next order, (1/2.5)^2 of a solid
+// A node further away than this many radii counts as its dipole; what is left is of the next order, a ninth of a solid
 // angle that is itself small. mesh_tree_test measures the error.
-constexpr double kFar = 2.5;
+constexpr double kFar = 3;
 
 /// Signed solid angle of a triangle from the origin (Van Oosterom and Strackee 1983).
 double solidAngle(const Vec3d& a, const Vec3d& b, const Vec3d& c) {

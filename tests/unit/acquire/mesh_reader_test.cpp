@@ -89,6 +89,24 @@ std::string ply(const TriangleMesh& m, bool binary) {
     return binary ? s : head.str() + text.str();
 }
 
+std::string off(const TriangleMesh& m) {
+    std::ostringstream s;
+    s << "OFF\n" << m.points.size() << " " << m.triangles.size() << " 0\n";
+    for (const Vec3d& p : m.points) {
+        s << p.x << " " << p.y << " " << p.z << "\n";
+    }
+    for (const Vec3i& t : m.triangles) {
+        s << "3 " << t.x << " " << t.y << " " << t.z << "\n";
+    }
+    return s.str();
+}
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+    const std::size_t at = text.find(what);
+    EXPECT_NE(at, std::string::npos) << what;
+    return at == std::string::npos ? text : text.replace(at, what.size(), by);
+}
+
 TEST_F(MeshFile, Obj) {
     expectBox(write("box.obj", objOf(box_)));
 }
@@ -122,15 +140,8 @@ TEST_F(MeshFile, StlInTextAndBinary) {
 }
 
 TEST_F(MeshFile, Off) {
-    std::ostringstream s;
-    s << "OFF\n" << box_.points.size() << " " << box_.triangles.size() << " 0\n";
-    for (const Vec3d& p : box_.points) {
-        s << p.x << " " << p.y << " " << p.z << "\n";
-    }
-    for (const Vec3i& t : box_.triangles) {
-        s << "3 " << t.x << " " << t.y << " " << t.z << "\n";
-    }
-    expectBox(write("box.off", s.str()));
+    expectBox(write("box.off", off(box_)));
+    expectBox(write("beside.off", "# a comment\n" + replaced(off(box_), "OFF\n", "OFF ")));
 }
 
 TEST_F(MeshFile, PartsAndTheirMaterialsAreNamed) {
@@ -178,18 +189,24 @@ TEST_F(MeshFile, BadFilesAreRefused) {
     complaint(write("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n"));
     complaint(write("text.ply", "This is a text."));
     const std::string whole = ply(box_, true), stl = binaryStl(box_);
-    for (std::size_t length : {std::size_t(20), whole.size() / 2, whole.size() - 40}) {
-        // Cut off: refused, or what is left of it is looked at like any mesh.
-        const std::string path = write("cut.ply", whole.substr(0, length));
-        try {
-            TriangleMesh all;
-            for (const MeshPart& p : readMeshFile(path)) {
-                append(all, p.mesh);
-            }
-            EXPECT_GT(repair(all, path).repair.holes, 0u);
-        } catch (const Error& e) {
-            EXPECT_EQ(std::string(e.what()).rfind(path, 0), 0u) << e.what();
+    for (std::size_t length = 0; length < whole.size(); length += 3) {
+        complaint(write("cut.ply", whole.substr(0, length)));
+    }
+    for (const char* ending : {".ply", ".off"}) {
+        const std::string text = ending[1] == 'p' ? ply(box_, false) : off(box_);
+        for (std::size_t length = 0; length + 6 < text.size(); length += 3) { // not within the last face
+            complaint(write(std::string("cut") + ending, text.substr(0, length)));
         }
+        EXPECT_NE(complaint(write(std::string("many") + ending,
+                                  replaced(text, ending[1] == 'p' ? "vertex 8" : "8 12",
+                                           ending[1] == 'p' ? "vertex 4000000000" : "4000000000 12")))
+                      .find("promises"),
+                  std::string::npos);
+        EXPECT_NE(complaint(write(std::string("far") + ending, replaced(text, "3 0 2 1", "3 0 99 1"))).find("99"),
+                  std::string::npos);
+        const std::string nan = write(std::string("nan") + ending, replaced(text, "10.5 -1 -1.5", "10.5 nan -1.5"));
+        EXPECT_NE(messageOf<Error>([&] { repair(readMeshFile(nan)[0].mesh, nan); }).find("vertex 1"),
+                  std::string::npos);
     }
     complaint(write("cut.stl", stl.substr(0, stl.size() / 2)));
     EXPECT_NE(messageOf<Error>([&] { readMeshFile(write("big.obj", objOf(box_)), 50); }).find("MB"), std::string::npos);

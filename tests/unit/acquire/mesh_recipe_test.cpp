@@ -61,7 +61,7 @@ TEST(MeshRecipe, MistakesAreNamedWithTheirPlace) {
         {R"({"size": 8})", "needs a 'size'"},
         {R"({"size": [8, 8], "voxel": 1})", "'size' is not a number or a list of three"},
         {R"({"size": [8, 8.5, 8], "voxel": 1})", "not whole"},
-        {R"({"size": [8, 8, 1e9], "voxel": 1})", "1e9"},
+        {R"({"size": [8, 8, 1e9], "voxel": 1})", "not within 1 to 4096"},
         {R"({"size": 8, "voxel": 0})", "'voxel'"},
         {R"({"size": 8, "voxel": 1, "matrx": "Marble"})", "has no 'matrx'"},
         {R"({"size": 8, "voxel": 1, "matrix": {"sigma_s": -1}})", "'matrix': 'sigma_s'"},
