@@ -48,6 +48,33 @@ struct Span {
     int lo, hi;
 };
 
+/// The same surface in triangles of edges no longer than `longest`: a tree of compact triangles has compact nodes,
+/// which far away count as one. Stops at `most` triangles.
+TriangleMesh split(const TriangleMesh& mesh, double longest, std::size_t most) {
+    TriangleMesh result = mesh;
+    for (std::size_t i = 0; i < result.triangles.size() && result.triangles.size() < most;) {
+        int edge = 0;
+        double squares = 0;
+        for (int k = 0; k < 3; ++k) {
+            const Vec3d d = result.corner(i, (k + 1) % 3) - result.corner(i, k);
+            if (dot(d, d) > squares) {
+                squares = dot(d, d);
+                edge = k;
+            }
+        }
+        if (squares <= longest * longest) {
+            ++i;
+            continue;
+        }
+        const Vec3i t = result.triangles[i];
+        const int a = t[edge], b = t[(edge + 1) % 3], c = t[(edge + 2) % 3], middle = int(result.points.size());
+        result.points.push_back((result.points[std::size_t(a)] + result.points[std::size_t(b)]) * 0.5);
+        result.triangles[i] = {a, middle, c};
+        result.triangles.push_back({middle, b, c});
+    }
+    return result;
+}
+
 } // namespace
 
 MeshColumns::MeshColumns(MendedMesh mesh, const TileGrid& grid, double maxBytes)
@@ -201,7 +228,8 @@ void MeshColumns::preparePatches() {
     // Winding number of the caps at the corners of voxels, as that of both less that of the mesh (the long triangles of
     // fans would be slow): where it rounds to the same number all around a voxel that no cap passes through, that is
     // the number for all of it.
-    tree_ = std::make_unique<TriangleTree>(mended_.mesh);
+    tree_ = std::make_unique<TriangleTree>(
+        split(mended_.mesh, length(box_.size()) / 24, 4 * mended_.mesh.triangles.size() + 1'000'000));
     std::vector<int> corner(nx * ny * std::size_t(n.z));
     const std::vector<char> ask = cornersToAsk(corner, patchSize_ + Vec3i(1));
     parallelFor(nx * ny, 16, [&](std::size_t begin, std::size_t end) {
