@@ -12,8 +12,8 @@ namespace stf {
 
 namespace {
 
-/// Samples along the depth of a voxel in which an open mesh has to be asked point by point.
-constexpr int kSlices = 8;
+/// Samples along each edge of a voxel in which an open mesh has to be asked point by point: 64 in all.
+constexpr int kSlices = 4;
 
 int wrap(int i, int n) {
     return (i % n + n) % n;
@@ -280,18 +280,25 @@ void MeshColumns::preparePatches() {
             mixed.push_back(i);
         }
     }
-    smooth_.resize(mixed.size());
+    samples_.assign(mixed.size(), 0);
     parallelFor(mixed.size(), 64, [&](std::size_t begin, std::size_t end) {
         for (std::size_t m = begin; m < end; ++m) {
-            const Vec3d middle = middleOf(mixed[m]);
-            if (tree_->distance(middle * h, reach) < reach) {
-                continue;
+            const Vec3d corner0 = middleOf(mixed[m]) - Vec3d(0.5);
+            const bool smooth = tree_->distance((corner0 + Vec3d(0.5)) * h, reach) >= reach;
+            double c[8] = {};
+            for (int k = 0; smooth && k < 8; ++k) {
+                c[k] = tree_->windingNumber((corner0 + Vec3d(k & 1, k >> 1 & 1, k >> 2)) * h);
             }
-            for (int k = 0; k < 8; ++k) {
-                const Vec3d offset((k & 1) - 0.5, (k >> 1 & 1) - 0.5, (k >> 2) - 0.5);
-                smooth_[m][std::size_t(k)] = float(tree_->windingNumber((middle + offset) * h));
+            for (int s = 0; s < kSlices * kSlices * kSlices; ++s) {
+                const Vec3d f =
+                    (Vec3d(s % kSlices, s / kSlices % kSlices, s / (kSlices * kSlices)) + Vec3d(0.5)) / double(kSlices);
+                const auto mix = [](double a, double b, double t) { return a + (b - a) * t; };
+                const double winding = smooth ? mix(mix(mix(c[0], c[1], f.x), mix(c[2], c[3], f.x), f.y),
+                                                    mix(mix(c[4], c[5], f.x), mix(c[6], c[7], f.x), f.y), f.z)
+                                              : tree_->windingNumber((corner0 + f) * h);
+                samples_[m] |= std::uint64_t(winding > 0.5) << s;
             }
-            threshold_[mixed[m]] = kSmooth + int(m);
+            threshold_[mixed[m]] = kMixed + int(m);
         }
     });
 }
@@ -383,7 +390,6 @@ void MeshColumns::inside(int x, int y, const std::vector<Vec2d>& lines, std::vec
 void MeshColumns::insideOpen(int u, int v, const Vec2d& at, int line, const Crossing* begin, const Crossing* end,
                              std::vector<Stretch>& out) const {
     const Vec3d h = grid_.voxelMm;
-    const double x = (u + at.x) * h.x, y = (v + at.y) * h.y;
     const auto add = [&](double from, double to) {
         if (from < to) {
             if (!out.empty() && out.back().line == line && out.back().to == from) {
@@ -418,18 +424,11 @@ void MeshColumns::insideOpen(int u, int v, const Vec2d& at, int line, const Cros
             }
             continue;
         }
+        const std::uint64_t samples = samples_[std::size_t(limit - kMixed)];
+        const int place =
+            std::min(int(at.x * kSlices), kSlices - 1) + kSlices * std::min(int(at.y * kSlices), kSlices - 1);
         for (int k = 0; k < kSlices; ++k) {
-            const double part = (k + 0.5) / kSlices, middle = top + part * h.z;
-            bool in = false;
-            if (limit >= kSmooth) {
-                const std::array<float, 8>& c = smooth_[std::size_t(limit - kSmooth)];
-                const auto mix = [](double a, double b, double t) { return a + (b - a) * t; };
-                in = mix(mix(mix(c[0], c[1], at.x), mix(c[2], c[3], at.x), at.y),
-                         mix(mix(c[4], c[5], at.x), mix(c[6], c[7], at.x), at.y), part) > 0.5;
-            } else {
-                in = tree_->windingNumber({x, y, middle}) > 0.5;
-            }
-            if (in) {
+            if (samples >> (place + kSlices * kSlices * k) & 1) {
                 add(top + double(k) / kSlices * h.z, top + double(k + 1) / kSlices * h.z);
             }
         }
