@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stfLib/render/shell_builder.h"
 
+#include "stfLib/optics/property_table.h"
 #include "stfLib/transport/precompute.h"
 #include "stfLib/volume/volume_io.h"
 
@@ -41,7 +42,9 @@ double diffusionLengthMm(const BaseVolume& v) {
     return sigmaA > 0 ? 1 / std::sqrt(3 * sigmaA * (sigmaA + sigmaS)) : 1e9;
 }
 
-CoreMaterial coreOf(const StfBinding& binding, const BaseVolume& volume, std::string& why) {
+// The core of the base volume, unless the binding names a material or coefficients; the latter win.
+CoreMaterial coreOf(const StfBinding& binding, const BaseVolume& volume, std::string& why,
+                    const MessageSink& messages) {
     CoreMaterial core;
     if (binding.coreModel == "none") {
         why = "coreModel is none";
@@ -49,6 +52,16 @@ CoreMaterial coreOf(const StfBinding& binding, const BaseVolume& volume, std::st
     }
     core.sigmaA = volume.coreSigmaA;
     core.sigmaSPrime = volume.coreSigmaSPrime;
+    if (!binding.coreMaterial.empty()) {
+        try {
+            const Material material = PropertyTable::builtIn().find(binding.coreMaterial);
+            core.sigmaA = material.sigmaA;
+            core.sigmaSPrime = material.sigmaSPrime();
+        } catch (const Error& e) {
+            report(messages, Severity::Error,
+                   std::string("stf:coreMaterial: ") + e.what() + "; the core of the base volume is used");
+        }
+    }
     if (binding.coreSigmaA) {
         core.sigmaA = Vec3d(*binding.coreSigmaA);
     }
@@ -183,7 +196,7 @@ std::shared_ptr<ShellObject> ShellBuilder::build(const std::string& id, const Co
     const float thickness = o.thicknessMm / o.mmPerUnit;
 
     std::string coreWhy;
-    o.core = coreOf(binding, *o.volume, coreWhy);
+    o.core = coreOf(binding, *o.volume, coreWhy, messages);
     o.coreBlack = !o.core.scatters();
 
     Timer precompute;
