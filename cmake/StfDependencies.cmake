@@ -56,3 +56,10 @@ foreach(lib RANDOM123 XXHASH STB)
         target_link_libraries(${target} INTERFACE ${${lib}_LIBRARY})
     endif()
 endforeach()
+
+# Drawings of the tools: sheets of materials and volumes.
+find_path(CAIRO_INCLUDE_DIR cairo.h PATH_SUFFIXES cairo REQUIRED)
+find_library(CAIRO_LIBRARY cairo REQUIRED)
+add_library(stf_cairo INTERFACE)
+target_include_directories(stf_cairo SYSTEM INTERFACE ${CAIRO_INCLUDE_DIR})
+target_link_libraries(stf_cairo INTERFACE ${CAIRO_LIBRARY})

@@ -17,5 +17,6 @@ void addInspectCommand(CLI::App& app);
 void addCacheCommand(CLI::App& app);
 void addSlabCommand(CLI::App& app);
 void addMapCommand(CLI::App& app);
+void addMaterialsCommand(CLI::App& app);
 
 } // namespace stf
