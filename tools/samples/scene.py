@@ -1,0 +1,85 @@
+"""A scene that shows one sample: a ball of it on dark ground, lit from the side and from behind. Millimetres.
+
+Texture coordinates are those of a map that keeps distances from the point that faces the camera, so that no seam and
+little stretch is in sight; they meet at the far side.
+"""
+
+import pathlib
+import sys
+
+import numpy as np
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "usd_examples"))
+import make_wax_sphere  # noqa: E402
+import usda_text as usda  # noqa: E402
+
+EYE = np.array((0.0, 0.42, 1.0)) / np.linalg.norm((0.0, 0.42, 1.0))
+
+
+def facing_coordinates(points):
+    """Azimuthal equidistant coordinates of the points of a ball, about the point nearest to the camera, in radii."""
+    # Not quite at the camera: no point of the mesh may lie opposite, where the coordinates have no direction.
+    pole = EYE + np.array((0.013, 0.007, 0.0))
+    pole /= np.linalg.norm(pole)
+    right = np.cross((0.0, 1.0, 0.0), pole)
+    right /= np.linalg.norm(right)
+    up = np.cross(pole, right)
+    unit = points / np.linalg.norm(points, axis=1)[:, None]
+    angle = np.arccos(np.clip(unit @ pole, -1, 1))
+    along = np.stack([unit @ right, unit @ up], axis=1)
+    return along / np.maximum(np.linalg.norm(along, axis=1), 1e-9)[:, None] * angle[:, None]
+
+
+def text(name, picture):
+    """The scene of the sample NAME, whose volume lies beside it as NAME.vdb. `picture` is that of its recipe."""
+    radius = float(picture["radiusMm"])
+    quads, points, _, _ = make_wax_sphere.sphere(radius, 8)
+    key, rim, sky = picture.get("key", 2.6), picture.get("rim", 1.6), picture.get("sky", 0.3)
+    ground = 60 * radius
+    return f"""#usda 1.0
+(
+    doc = "A ball of {name}, radius {radius:g} mm. Written by tools/samples. Millimetres."
+    defaultPrim = "World"
+    metersPerUnit = 0.001
+    upAxis = "Y"
+)
+
+def Xform "World"
+{{
+    def Mesh "Ball" (
+        prepend apiSchemas = ["StfShellAPI"]
+    )
+    {{
+        float3[] extent = {usda.numbers([points.min(0), points.max(0)])}
+        int[] faceVertexCounts = {usda.numbers(np.full(len(quads), 4))}
+        int[] faceVertexIndices = {usda.numbers(quads.ravel())}
+        point3f[] points = {usda.numbers(points, 6)}
+        texCoord2f[] primvars:st = {usda.numbers(facing_coordinates(points), 6)} (
+            interpolation = "vertex"
+        )
+        uniform token subdivisionScheme = "catmullClark"
+        double3 xformOp:translate = (0, {radius:g}, 0)
+        uniform token[] xformOpOrder = ["xformOp:translate"]
+
+        asset primvars:stf:baseVolume = @./{name}.vdb@ (
+            interpolation = "constant"
+        )
+    }}
+
+    def Mesh "Ground"
+    {{
+        float3[] extent = [({-ground:g}, 0, {-ground:g}), ({ground:g}, 0, {ground:g})]
+        int[] faceVertexCounts = [4]
+        int[] faceVertexIndices = [0, 1, 2, 3]
+        point3f[] points = [({-ground:g}, 0, {ground:g}), ({ground:g}, 0, {ground:g}), ({ground:g}, 0, {-ground:g}), ({-ground:g}, 0, {-ground:g})]
+        normal3f[] normals = [(0, 1, 0), (0, 1, 0), (0, 1, 0), (0, 1, 0)] (
+            interpolation = "vertex"
+        )
+        color3f[] primvars:displayColor = [(0.16, 0.15, 0.15)]
+        uniform token subdivisionScheme = "none"
+    }}
+{usda.distant_light("Key", (-0.9, 0.8, 0.45), key, "(1, 0.95, 0.88)", 3)}{usda.distant_light("Rim",
+        (0.8, 0.5, -0.75), rim, "(0.9, 0.95, 1)", 3)}{usda.dome_light("Sky", sky,
+        "(0.88, 0.94, 1)")}{usda.camera(EYE * 8.2 * radius + (0, radius, 0), (0, 0.97 * radius, 0), 70, (20, 20),
+        f"({0.1 * radius:g}, {1000 * radius:g})")}}}
+"""
