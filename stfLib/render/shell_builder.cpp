@@ -4,6 +4,7 @@
 #include "stfLib/optics/property_table.h"
 #include "stfLib/transport/precompute.h"
 #include "stfLib/volume/volume_io.h"
+#include "stfLib/volume/volume_statistics.h"
 
 #include <chrono>
 #include <filesystem>
@@ -22,23 +23,12 @@ private:
 };
 
 // Mean diffusion length of the filled voxels, mm: the distance over which multiple scattering blurs shadows.
-double diffusionLengthMm(const BaseVolume& v) {
-    double sigmaA = 0, sigmaS = 0;
-    std::size_t filled = 0;
-    for (std::size_t i = 0; i < v.voxelCount(); ++i) {
-        if (maxComponent(v.extinction[i]) > 0) {
-            const double g = v.g.empty() ? 0 : double(v.g[i]);
-            const Rgb s = v.extinction[i] * v.albedo[i];
-            sigmaS += double(average(s)) * (1 - g);
-            sigmaA += double(average(v.extinction[i] - s));
-            ++filled;
-        }
-    }
-    if (!filled || !(sigmaS > 0)) {
+double blurLengthMm(const BaseVolume& v) {
+    const MeanCoefficients mean = meanCoefficients(v);
+    const double sigmaA = average(mean.sigmaA), sigmaS = average(mean.sigmaSPrime);
+    if (!(sigmaS > 0)) {
         return 0;
     }
-    sigmaA /= double(filled);
-    sigmaS /= double(filled);
     return sigmaA > 0 ? 1 / std::sqrt(3 * sigmaA * (sigmaA + sigmaS)) : 1e9;
 }
 
@@ -273,7 +263,7 @@ std::shared_ptr<ShellObject> ShellBuilder::build(const std::string& id, const Co
     note("shell", true, std::to_string(o.grid.sampleCount()) + " samples", shell.seconds());
 
     note("core", !o.coreBlack, coreWhy, 0);
-    o.blurRadiusMm = float(std::min(diffusionLengthMm(*o.volume), double(o.thicknessMm)));
+    o.blurRadiusMm = float(std::min(blurLengthMm(*o.volume), double(o.thicknessMm)));
     return object;
 }
 

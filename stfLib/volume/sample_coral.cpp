@@ -10,10 +10,10 @@ namespace stf {
 
 namespace {
 
-// The skeleton is aragonite: sigma_s' of 5 to 10 /mm (Marcelino et al. 2013, "Modulation of light-enhancement to
+// The skeleton is aragonite, whose sigma_s' is a few to ten per mm (Marcelino et al. 2013, "Modulation of light-enhancement to
 // symbiotic algae by light-scattering in corals and evolutionary trends in bleaching", PLoS ONE 8); pigment modelled.
 const Vec3d kPale{0.010, 0.034, 0.062}, kPigment{0.030, 0.42, 0.62};
-constexpr double kExtinction = 5; // 1/mm, with g = 0
+constexpr double kExtinction = 3; // 1/mm, with g = 0
 
 // Holes of many sizes, the large ones first and apart from each other, near the surface and below it.
 std::vector<Ball> holes(const Vec3d& extent, double top, std::uint32_t seed) {
@@ -41,7 +41,7 @@ std::vector<Ball> holes(const Vec3d& extent, double top, std::uint32_t seed) {
 } // namespace
 
 BaseVolume makeCoral(const SampleOptions& options) {
-    BaseVolume v = blankSample("coral", options, {96, 96, 36}, 1.0 / 6);
+    BaseVolume v = blankSample("coral", options, {72, 72, 27}, 2.0 / 9);
     const TileNoise noise(v, options.seed);
     const Vec3d extent = v.extentMm();
     const double top = std::min(0.35, 0.1 * extent.z);

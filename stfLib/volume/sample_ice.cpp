@@ -63,13 +63,16 @@ BaseVolume makeIce(const SampleOptions& options) {
         const double inside = smoothStep(-0.5 * v.voxelMm.x, 0.5 * v.voxelMm.x, depthInBalls(air, mm, extent));
         const double crackShare =
             cracked * (std::exp(-std::pow(crack / 0.020, 2)) + 0.35 * feather * smoothStep(0.12, 0.0, crack));
-        const double scattering = clear + white * band + crackWhite * crackShare + bubble * inside;
+        // Water that freezes from outside drives its air inward: the heart of a piece is white.
+        const double heart = smoothStep(0.25, 1.05, mm.z / extent.z + 0.22 * noise.fractal(p, 4, 3, 30));
+        const double scattering =
+            clear + white * (0.8 * band + 1.2 * heart) + crackWhite * crackShare + bubble * inside;
         const double extinction = scattering + average(kIce);
         v.extinction[i] = Rgb(float(extinction));
         v.albedo[i] = Rgb(Vec3d(1.0) - kIce / extinction);
     });
     v.coreSigmaA = kIce;
-    v.coreSigmaSPrime = Vec3d(clear + 0.25 * white);
+    v.coreSigmaSPrime = Vec3d(clear + 1.2 * white);
     return v;
 }
 

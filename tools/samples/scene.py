@@ -34,7 +34,7 @@ def text(name, picture):
     """The scene of the sample NAME, whose volume lies beside it as NAME.vdb. `picture` is that of its recipe."""
     radius = float(picture["radiusMm"])
     quads, points, _, _ = make_wax_sphere.sphere(radius, 8)
-    key, rim, sky = picture.get("key", 2.6), picture.get("rim", 1.6), picture.get("sky", 0.3)
+    key, rim, sky = picture.get("key", 2.6), picture.get("rim", 2.2), picture.get("sky", 0.22)
     ground = 60 * radius
     return f"""#usda 1.0
 (
@@ -75,11 +75,11 @@ def Xform "World"
         normal3f[] normals = [(0, 1, 0), (0, 1, 0), (0, 1, 0), (0, 1, 0)] (
             interpolation = "vertex"
         )
-        color3f[] primvars:displayColor = [(0.16, 0.15, 0.15)]
+        color3f[] primvars:displayColor = [(0.045, 0.042, 0.04)]
         uniform token subdivisionScheme = "none"
     }}
-{usda.distant_light("Key", (-0.9, 0.8, 0.45), key, "(1, 0.95, 0.88)", 3)}{usda.distant_light("Rim",
-        (0.8, 0.5, -0.75), rim, "(0.9, 0.95, 1)", 3)}{usda.dome_light("Sky", sky,
+{usda.distant_light("Key", (-0.9, 0.75, 0.25), key, "(1, 0.95, 0.88)", 20)}{usda.distant_light("Rim",
+        (0.8, 0.5, -0.75), rim, "(0.9, 0.95, 1)", 20)}{usda.dome_light("Sky", sky,
         "(0.88, 0.94, 1)")}{usda.camera(EYE * 8.2 * radius + (0, radius, 0), (0, 0.97 * radius, 0), 70, (20, 20),
         f"({0.1 * radius:g}, {1000 * radius:g})")}}}
 """

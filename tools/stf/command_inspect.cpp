@@ -4,6 +4,8 @@
 #include "tools/stf/commands.h"
 #include "tools/stf/raw_dump.h"
 #include "tools/stf/table_json.h"
+#include "tools/stf/volume_json.h"
+#include "tools/stf/volume_sheet.h"
 
 #include <cstdio>
 #include <memory>
@@ -13,44 +15,7 @@ namespace stf {
 
 namespace {
 
-nlohmann::json triple(const Vec3d& v) {
-    return {v.x, v.y, v.z};
-}
-
-nlohmann::json describe(const BaseVolume& v) {
-    Vec3d lowest(1e300), highest(0.0), depth(0.0), albedo(0.0);
-    std::size_t filled = 0;
-    for (std::size_t i = 0; i < v.voxelCount(); ++i) {
-        const Vec3d k(v.extinction[i]);
-        for (int c = 0; c < 3; ++c) {
-            lowest[c] = std::min(lowest[c], k[c]);
-            highest[c] = std::max(highest[c], k[c]);
-        }
-        depth += k * v.voxelMm.z;
-        if (maxComponent(v.extinction[i]) > 0) {
-            albedo += Vec3d(v.albedo[i]);
-            ++filled;
-        }
-    }
-    const double columns = double(v.size.x) * v.size.y;
-    return {{"kind", "base volume"},
-            {"name", v.name},
-            {"size", {v.size.x, v.size.y, v.size.z}},
-            {"voxelMm", triple(v.voxelMm)},
-            {"extentMm", triple(v.extentMm())},
-            {"extinctionMin", triple(lowest)},
-            {"extinctionMax", triple(highest)},
-            {"meanOpticalDepth", triple(depth / columns)},
-            {"meanAlbedo", triple(filled ? albedo / double(filled) : albedo)},
-            {"filledShare", double(filled) / double(v.voxelCount())},
-            {"coreSigmaA", triple(v.coreSigmaA)},
-            {"coreSigmaSPrime", triple(v.coreSigmaSPrime)},
-            {"laterallyUniform", v.laterallyUniform()},
-            {"relief", v.hasRelief()},
-            {"hash", v.contentHash()}};
-}
-
-void run(const std::string& path, const std::string& raw, bool json) {
+void run(const std::string& path, const std::string& raw, const std::string& sheet, bool json) {
     const MessageSink messages = [](Severity, const std::string& t) { std::fprintf(stderr, "%s\n", t.c_str()); };
     if (!raw.empty()) {
         writeRaw(readBaseVolume(path, messages), raw);
@@ -59,7 +24,12 @@ void run(const std::string& path, const std::string& raw, bool json) {
     nlohmann::json j;
     std::string reason;
     try {
-        j = describe(readBaseVolume(path, messages));
+        const BaseVolume volume = readBaseVolume(path, messages);
+        const VolumeStatistics statistics = statisticsOf(volume);
+        j = describeVolume(volume, statistics);
+        if (!sheet.empty()) {
+            writeVolumeSheet(volume, statistics, sheet);
+        }
     } catch (const Error& e) {
         reason = e.what();
         try {
@@ -72,8 +42,13 @@ void run(const std::string& path, const std::string& raw, bool json) {
         std::printf("%s\n", j.dump().c_str());
         return;
     }
+    const nlohmann::json warnings = j.value("warnings", nlohmann::json::array());
+    j.erase("warnings");
     for (const auto& [key, value] : j.items()) {
-        std::printf("%-18s %s\n", key.c_str(), value.dump().c_str());
+        std::printf("%-28s %s\n", key.c_str(), value.dump().c_str());
+    }
+    for (const auto& warning : warnings) {
+        std::printf("warning: %s\n", warning.get<std::string>().c_str());
     }
 }
 
@@ -82,15 +57,16 @@ void run(const std::string& path, const std::string& raw, bool json) {
 void addInspectCommand(CLI::App& app) {
     auto* command = app.add_subcommand("inspect", "Print what a base volume or a table holds");
     struct Arguments {
-        std::string path, raw;
+        std::string path, raw, sheet;
         bool json = false;
     };
     auto a = std::make_shared<Arguments>();
     command->add_option("file", a->path, "Base volume or table (.vdb)")->required();
     command->add_option("--raw", a->raw,
                         "Write the volume into this folder instead: volume.json and a file of floats for each grid");
+    command->add_option("--sheet", a->sheet, "Draw the volume into this PNG: cuts, slices, surface, histograms");
     command->add_flag("--json", a->json, "Print a line of JSON");
-    command->callback([a] { run(a->path, a->raw, a->json); });
+    command->callback([a] { run(a->path, a->raw, a->sheet, a->json); });
 }
 
 } // namespace stf

@@ -49,6 +49,8 @@ Sheet::Sheet(int width, int height) : impl_(std::make_unique<Impl>(width, height
 }
 
 Sheet::~Sheet() = default;
+Sheet::Sheet(Sheet&&) noexcept = default;
+Sheet& Sheet::operator=(Sheet&&) noexcept = default;
 
 void Sheet::text(double x, double y, const std::string& text, double size, Align align, bool bold) {
     cairo_t* const c = impl_->context;
@@ -129,7 +131,7 @@ std::string lengthText(double mm) {
     if (!std::isfinite(mm)) {
         return "infinite";
     }
-    const bool small = mm < 0.1, large = mm >= 1000;
+    const bool small = mm != 0 && std::abs(mm) < 0.1, large = mm >= 1000;
     char text[32];
     std::snprintf(text, sizeof text, "%.3g %s",
                   small   ? 1000 * mm

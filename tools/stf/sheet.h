@@ -17,6 +17,8 @@ public:
 
     Sheet(int width, int height);
     ~Sheet();
+    Sheet(Sheet&&) noexcept;
+    Sheet& operator=(Sheet&&) noexcept;
 
     /// Text whose base line starts (or has its middle or end) at (x, y).
     void text(double x, double y, const std::string& text, double size = 12, Align align = Align::Left,
