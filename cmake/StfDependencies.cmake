@@ -63,3 +63,13 @@ find_library(CAIRO_LIBRARY cairo REQUIRED)
 add_library(stf_cairo INTERFACE)
 target_include_directories(stf_cairo SYSTEM INTERFACE ${CAIRO_INCLUDE_DIR})
 target_link_libraries(stf_cairo INTERFACE ${CAIRO_LIBRARY})
+
+# Readers of scans. ITK's configuration prints pages about programs of other packages.
+find_package(ZLIB REQUIRED)
+set(CMAKE_MESSAGE_LOG_LEVEL WARNING)
+find_package(ITK 5 REQUIRED CONFIG
+    COMPONENTS ITKIOImageBase ITKIOGDCM ITKIOMeta ITKIONIFTI ITKIONRRD ITKIOTIFF)
+unset(CMAKE_MESSAGE_LOG_LEVEL)
+add_library(stf_itk INTERFACE)
+target_include_directories(stf_itk SYSTEM INTERFACE ${ITK_INCLUDE_DIRS})
+target_link_libraries(stf_itk INTERFACE ${ITK_LIBRARIES})

@@ -17,6 +17,7 @@ int main(int argc, char** argv) {
     stf::addSlabCommand(app);
     stf::addMapCommand(app);
     stf::addMaterialsCommand(app);
+    stf::addAcquireCommand(app);
     try {
         app.parse(argc, argv);
         return stf::kDone;
