@@ -41,7 +41,7 @@ std::vector<Ball> holes(const Vec3d& extent, double top, std::uint32_t seed) {
 } // namespace
 
 BaseVolume makeCoral(const SampleOptions& options) {
-    BaseVolume v = blankSample("coral", options, {72, 72, 27}, 2.0 / 9);
+    BaseVolume v = blankSample("coral", options, {54, 54, 20}, 8.0 / 27);
     const TileNoise noise(v, options.seed);
     const Vec3d extent = v.extentMm();
     const double top = std::min(0.35, 0.1 * extent.z);

@@ -64,15 +64,15 @@ BaseVolume makeIce(const SampleOptions& options) {
         const double crackShare =
             cracked * (std::exp(-std::pow(crack / 0.020, 2)) + 0.35 * feather * smoothStep(0.12, 0.0, crack));
         // Water that freezes from outside drives its air inward: the heart of a piece is white.
-        const double heart = smoothStep(0.25, 1.05, mm.z / extent.z + 0.22 * noise.fractal(p, 4, 3, 30));
+        const double heart = smoothStep(0.55, 1.15, mm.z / extent.z + 0.20 * noise.fractal(p, 4, 3, 30));
         const double scattering =
-            clear + white * (0.8 * band + 1.2 * heart) + crackWhite * crackShare + bubble * inside;
+            clear + white * (0.7 * band + 1.5 * heart) + crackWhite * crackShare + bubble * inside;
         const double extinction = scattering + average(kIce);
         v.extinction[i] = Rgb(float(extinction));
         v.albedo[i] = Rgb(Vec3d(1.0) - kIce / extinction);
     });
     v.coreSigmaA = kIce;
-    v.coreSigmaSPrime = Vec3d(clear + 1.2 * white);
+    v.coreSigmaSPrime = Vec3d(clear + 1.5 * white);
     return v;
 }
 

@@ -89,7 +89,7 @@ private:
 } // namespace
 
 BaseVolume makeSkin(const SampleOptions& options) {
-    BaseVolume v = blankSample("skin", options, {96, 96, 32}, 0.075);
+    BaseVolume v = blankSample("skin", options, {72, 72, 24}, 0.1);
     const PropertyTable& table = PropertyTable::builtIn();
     const std::vector<Material> materials{table.find("tissue/Epidermis"), table.find("tissue/Dermis"),
                                           table.find("tissue/Fat"), table.find("tissue/Blood")};

@@ -1,4 +1,4 @@
-"""A scene that shows one sample: a ball of it on dark ground, lit from the side and from behind. Millimetres.
+"""A scene that shows one sample: a ball of it between soft boxes in a dark room (studio.py). Millimetres.
 
 Texture coordinates are those of a map that keeps distances from the point that faces the camera, so that no seam and
 little stretch is in sight; they meet at the far side.
@@ -34,8 +34,7 @@ def text(name, picture):
     """The scene of the sample NAME, whose volume lies beside it as NAME.vdb. `picture` is that of its recipe."""
     radius = float(picture["radiusMm"])
     quads, points, _, _ = make_wax_sphere.sphere(radius, 8)
-    key, rim, sky = picture.get("key", 2.6), picture.get("rim", 2.2), picture.get("sky", 0.22)
-    ground = 60 * radius
+    light = float(picture.get("light", 1))
     return f"""#usda 1.0
 (
     doc = "A ball of {name}, radius {radius:g} mm. Written by tools/samples. Millimetres."
@@ -58,28 +57,16 @@ def Xform "World"
             interpolation = "vertex"
         )
         uniform token subdivisionScheme = "catmullClark"
-        double3 xformOp:translate = (0, {radius:g}, 0)
-        uniform token[] xformOpOrder = ["xformOp:translate"]
 
         asset primvars:stf:baseVolume = @./{name}.vdb@ (
             interpolation = "constant"
         )
     }}
 
-    def Mesh "Ground"
+    def DomeLight "Studio"
     {{
-        float3[] extent = [({-ground:g}, 0, {-ground:g}), ({ground:g}, 0, {ground:g})]
-        int[] faceVertexCounts = [4]
-        int[] faceVertexIndices = [0, 1, 2, 3]
-        point3f[] points = [({-ground:g}, 0, {ground:g}), ({ground:g}, 0, {ground:g}), ({ground:g}, 0, {-ground:g}), ({-ground:g}, 0, {-ground:g})]
-        normal3f[] normals = [(0, 1, 0), (0, 1, 0), (0, 1, 0), (0, 1, 0)] (
-            interpolation = "vertex"
-        )
-        color3f[] primvars:displayColor = [(0.045, 0.042, 0.04)]
-        uniform token subdivisionScheme = "none"
+        {usda.inputs(8, ("float", "intensity", light), ("asset", "texture:file", "@./studio.exr@"),
+                     ("token", "texture:format", '"latlong"'))}
     }}
-{usda.distant_light("Key", (-0.9, 0.75, 0.25), key, "(1, 0.95, 0.88)", 20)}{usda.distant_light("Rim",
-        (0.8, 0.5, -0.75), rim, "(0.9, 0.95, 1)", 20)}{usda.dome_light("Sky", sky,
-        "(0.88, 0.94, 1)")}{usda.camera(EYE * 8.2 * radius + (0, radius, 0), (0, 0.97 * radius, 0), 70, (20, 20),
-        f"({0.1 * radius:g}, {1000 * radius:g})")}}}
+{usda.camera(EYE * 8.2 * radius, (0, 0, 0), 70, (20, 20), f"({0.1 * radius:g}, {1000 * radius:g})")}}}
 """

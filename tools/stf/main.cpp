@@ -12,6 +12,7 @@ int main(int argc, char** argv) {
     app.require_subcommand(1);
     stf::addMakeCommand(app);
     stf::addPrecomputeCommand(app);
+    stf::addImportCommand(app);
     stf::addInspectCommand(app);
     stf::addCacheCommand(app);
     stf::addSlabCommand(app);

@@ -1,0 +1,44 @@
+"""The light of the pictures of samples: a lat-long image of soft boxes in a dark room, as EXR."""
+
+import numpy as np
+import OpenEXR
+
+WIDTH, HEIGHT = 256, 128
+# Direction (y up, the camera looks along -z), half width and height in degrees, radiance, colour.
+BOXES = (
+    ((-0.78, 0.62, 0.38), 18, 24, 8.0, (1.0, 0.95, 0.87)),  # key, from the left
+    ((0.80, 0.42, -0.72), 12, 28, 11.0, (0.88, 0.94, 1.0)),  # rim, from behind on the right
+    ((0.10, 1.00, -0.15), 24, 24, 1.8, (1.0, 1.0, 1.0)),  # top
+)
+ROOM = 0.05
+
+
+def edge(degrees, half):
+    """1 inside of `half`, falling to 0 within a few degrees of it."""
+    t = np.clip((half - np.abs(degrees)) / 5 + 0.5, 0, 1)
+    return t * t * (3 - 2 * t)
+
+
+def image():
+    """Linear rgb, rows from the zenith down; the middle column is +z for OpenUSD's lat-long domes, columns go to -x."""
+    v, u = np.meshgrid((np.arange(HEIGHT) + 0.5) / HEIGHT, (np.arange(WIDTH) + 0.5) / WIDTH, indexing="ij")
+    polar, turn = np.pi * v, 2 * np.pi * (u - 0.5)
+    direction = np.stack([-np.sin(polar) * np.sin(turn), np.cos(polar), np.sin(polar) * np.cos(turn)], axis=-1)
+    # A little lighter above than below.
+    result = ROOM * (0.6 + 0.4 * direction[..., 1:2]) * np.ones(3)
+    for toward, half_width, half_height, radiance, color in BOXES:
+        front = np.array(toward) / np.linalg.norm(toward)
+        right = np.cross((0, 1, 0) if abs(front[1]) < 0.95 else (0, 0, 1), front)
+        right /= np.linalg.norm(right)
+        up = np.cross(front, right)
+        ahead = direction @ front
+        across = np.degrees(np.arctan2(direction @ right, ahead))
+        along = np.degrees(np.arctan2(direction @ up, np.hypot(ahead, direction @ right)))
+        result += (edge(across, half_width) * edge(along, half_height) * (ahead > 0))[..., None] * radiance * np.array(color)
+    return result.astype(np.float32)
+
+
+def write(path):
+    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+    with OpenEXR.File(header, {"RGB": image()}) as file:
+        file.write(str(path))
