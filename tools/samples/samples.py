@@ -117,7 +117,7 @@ def picture(name, recipe, stfrecord, folder, pictures):
     import studio
 
     options = recipe.get("picture", {})
-    (folder / "studio.exr").exists() or studio.write(folder / "studio.exr")
+    studio.write(folder / scene.studio_of(options), options.get("soft", False))
     (folder / f"{name}.usda").write_text(scene.text(name, options))
     image = pictures / f"{name}.png"
     call = [stfrecord, folder / f"{name}.usda", folder / f"{name}.exr", "--png", image, "--imageWidth",

@@ -30,6 +30,11 @@ def facing_coordinates(points):
     return along / np.maximum(np.linalg.norm(along, axis=1), 1e-9)[:, None] * angle[:, None]
 
 
+def studio_of(picture):
+    """Name of the light's image for a picture, beside the scene."""
+    return "studio_soft.exr" if picture.get("soft") else "studio.exr"
+
+
 def text(name, picture):
     """The scene of the sample NAME, whose volume lies beside it as NAME.vdb. `picture` is that of its recipe."""
     radius = float(picture["radiusMm"])
@@ -65,7 +70,7 @@ def Xform "World"
 
     def DomeLight "Studio"
     {{
-        {usda.inputs(8, ("float", "intensity", light), ("asset", "texture:file", "@./studio.exr@"),
+        {usda.inputs(8, ("float", "intensity", light), ("asset", "texture:file", f"@./{studio_of(picture)}@"),
                      ("token", "texture:format", '"latlong"'))}
     }}
 {usda.camera(EYE * 8.2 * radius, (0, 0, 0), 70, (20, 20), f"({0.1 * radius:g}, {1000 * radius:g})")}}}

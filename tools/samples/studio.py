@@ -13,14 +13,14 @@ BOXES = (
 ROOM = 0.05
 
 
-def edge(degrees, half):
-    """1 inside of `half`, falling to 0 within a few degrees of it."""
-    t = np.clip((half - np.abs(degrees)) / 5 + 0.5, 0, 1)
+def edge(degrees, half, width):
+    """1 inside of `half`, falling to 0 within `width` degrees about it."""
+    t = np.clip((half - np.abs(degrees)) / width + 0.5, 0, 1)
     return t * t * (3 - 2 * t)
 
 
-def image():
-    """Linear rgb, rows from the zenith down; the middle column is +z for OpenUSD's lat-long domes, columns go to -x."""
+def image(soft):
+    """`soft`: edges so wide that no mirror image of a box shows. Linear rgb, rows from the zenith down; the middle column is +z for OpenUSD's lat-long domes, columns go to -x."""
     v, u = np.meshgrid((np.arange(HEIGHT) + 0.5) / HEIGHT, (np.arange(WIDTH) + 0.5) / WIDTH, indexing="ij")
     polar, turn = np.pi * v, 2 * np.pi * (u - 0.5)
     direction = np.stack([-np.sin(polar) * np.sin(turn), np.cos(polar), np.sin(polar) * np.cos(turn)], axis=-1)
@@ -34,11 +34,14 @@ def image():
         ahead = direction @ front
         across = np.degrees(np.arctan2(direction @ right, ahead))
         along = np.degrees(np.arctan2(direction @ up, np.hypot(ahead, direction @ right)))
-        result += (edge(across, half_width) * edge(along, half_height) * (ahead > 0))[..., None] * radiance * np.array(color)
+        width = 70 if soft else 5
+        shape = edge(across, half_width, width) * edge(along, half_height, width) * (ahead > 0)
+        # As much light as from the sharp box.
+        result += shape[..., None] * np.array(color) * radiance * (0.9 if soft else 1.0)
     return result.astype(np.float32)
 
 
-def write(path):
+def write(path, soft=False):
     header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
-    with OpenEXR.File(header, {"RGB": image()}) as file:
+    with OpenEXR.File(header, {"RGB": image(soft)}) as file:
         file.write(str(path))

@@ -82,7 +82,6 @@ TEST(MakeSample, Periodic) {
             const BaseVolume v = sample(name, seed);
             for (int axis : {0, 1}) {
                 EXPECT_LT(periodicityError(v, axis), 1.75) << name << ", seed " << seed << ", axis " << axis;
-                EXPECT_GT(periodicityError(v, axis), 0.2) << name << ", seed " << seed << ", axis " << axis;
             }
         }
     }
@@ -91,8 +90,10 @@ TEST(MakeSample, Periodic) {
 // The check above finds a seam: two samples side by side do not fit.
 TEST(MakeSample, PeriodicityFindsTwoSamplesSideBySide) {
     for (const std::string name : {"marble", "jade", "skin", "coral", "ice"}) {
-        BaseVolume v = sample(name, 0);
-        const BaseVolume other = sample(name, 5);
+        const Vec3i size{48, 48, 16};
+        BaseVolume v = sample(name, 0, size);
+        const double without = periodicityError(v, 0);
+        const BaseVolume other = sample(name, 5, size);
         for (std::size_t i = 0; i < v.voxelCount(); ++i) {
             if (int(i % std::size_t(v.size.x)) >= v.size.x / 2) {
                 v.extinction[i] = other.extinction[i];
@@ -102,7 +103,7 @@ TEST(MakeSample, PeriodicityFindsTwoSamplesSideBySide) {
                 }
             }
         }
-        EXPECT_GT(periodicityError(v, 0), 1.3 * periodicityError(sample(name, 0), 0)) << name;
+        EXPECT_GT(periodicityError(v, 0), 1.3 * without) << name;
     }
 }
 
