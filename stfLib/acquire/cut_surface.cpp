@@ -12,7 +12,9 @@ namespace stf {
 
 namespace {
 
-constexpr int kMostSweeps = 8;
+// How much faces between layers count, sweep by sweep: layers find their own ways first and are then drawn together, or
+// the first flat cut would hold all of them.
+constexpr double kDepthWeights[] = {0, 0.02, 0.05, 0.1, 0.2, 0.4, 0.7, 1, 1, 1, 1};
 
 // The cost with sums over the steps across, so that a jump of the cut between neighbours takes no loop.
 class CutCosts {
@@ -111,27 +113,38 @@ void cutChain(int lines, int overlap, bool circle, int start, const std::vector<
 class Cutter {
 public:
     explicit Cutter(const OverlapCost& c) : c_(c), costs_(c) {
-        // Begin with the flat cut of least cost.
-        int best = 1;
-        double least = std::numeric_limits<double>::infinity();
-        for (int cut = 1; cut < c.overlap; ++cut) {
-            double sum = 0;
-            for (int z = 0; z < c.layers; ++z) {
-                for (int y = 0; y < c.length; ++y) {
-                    sum += costs_.across(y, z, cut);
-                }
-            }
-            if (sum < least) {
-                least = sum;
-                best = cut;
-            }
-        }
-        cut_.assign(std::size_t(c.length) * std::size_t(c.layers), best);
+        cut_.assign(std::size_t(c.length) * std::size_t(c.layers), c.overlap / 2);
     }
 
-    void sweep(int number) {
-        // First the whole depth as one picture would make the layers agree; the flat start and the terms between layers
-        // do that. Layers of one parity do not touch each other.
+    /// The same cut in all layers, of least cost. A circle is closed where the open cut ends.
+    void cutAllAlike() {
+        std::vector<int> before(std::size_t(c_.length), c_.overlap / 2), after(before);
+        std::vector<double> sums(std::size_t(c_.length) * std::size_t(c_.overlap + 1), 0.0), own(sums);
+        for (int z = 0; z < c_.layers; ++z) {
+            for (int y = 0; y < c_.length; ++y) {
+                for (int cut = 1; cut <= c_.overlap; ++cut) {
+                    const std::size_t at = std::size_t(cut) + std::size_t(c_.overlap + 1) * std::size_t(y);
+                    sums[at] += costs_.sum(y, z, cut);
+                    own[at] += cut < c_.overlap ? costs_.across(y, z, cut) : 0;
+                }
+            }
+        }
+        const auto of = [&](const std::vector<double>& v) {
+            return [&](int y, int cut) { return v[std::size_t(cut) + std::size_t(c_.overlap + 1) * std::size_t(y)]; };
+        };
+        cutChain(c_.length, c_.overlap, false, 0, before, of(own), of(sums), after);
+        if (closes()) {
+            before = after;
+            cutChain(c_.length, c_.overlap, true, c_.length / 2, before, of(own), of(sums), after);
+        }
+        for (int z = 0; z < c_.layers; ++z) {
+            std::copy(after.begin(), after.end(), cut_.begin() + std::ptrdiff_t(z) * c_.length);
+        }
+    }
+
+    void sweep(int number, double depthWeight) {
+        depthWeight_ = depthWeight;
+        // Layers of one parity do not touch each other.
         for (int parity : {0, 1}) {
             parallelFor(std::size_t((c_.layers + 1 - parity) / 2), 1, [&](std::size_t begin, std::size_t end) {
                 for (std::size_t k = begin; k < end; ++k) {
@@ -173,16 +186,17 @@ public:
     }
 
 private:
+    bool closes() const { return c_.circle && c_.length > 2; }
     int at(int y, int z) const { return cut_[std::size_t(y) + std::size_t(c_.length) * std::size_t(z)]; }
 
     // What a cut costs against the lines that stay, and by itself.
     double toLayers(int y, int z, int cut) const {
         double sum = costs_.across(y, z, cut);
         if (z > 0) {
-            sum += costs_.between(y, z, cut, y, z - 1, at(y, z - 1));
+            sum += depthWeight_ * costs_.between(y, z, cut, y, z - 1, at(y, z - 1));
         }
         if (z + 1 < c_.layers) {
-            sum += costs_.between(y, z, cut, y, z + 1, at(y, z + 1));
+            sum += depthWeight_ * costs_.between(y, z, cut, y, z + 1, at(y, z + 1));
         }
         return sum;
     }
@@ -202,7 +216,8 @@ private:
         for (int y = 0; y < c_.length; ++y) {
             before[std::size_t(y)] = at(y, z);
         }
-        const bool circle = c_.circle && c_.length > 2;
+        // Without a cut from before there is nothing to close a circle at: the open cut gives it.
+        const bool circle = closes() && number > 0;
         // Another place to open the circle each time, so that no line stays what it was.
         const int start = circle ? int((std::size_t(number) * 7919u) % std::size_t(c_.length)) : 0;
         cutChain(
@@ -215,7 +230,7 @@ private:
         std::vector<int> after(std::size_t(c_.layers));
         cutChain(
             c_.layers, c_.overlap, false, 0, after, [&](int z, int cut) { return toLines(y, z, cut); },
-            [&](int z, int cut) { return costs_.sum(y, z, cut); }, after);
+            [&](int z, int cut) { return depthWeight_ * costs_.sum(y, z, cut); }, after);
         for (int z = 0; z < c_.layers; ++z) {
             cut_[std::size_t(y) + std::size_t(c_.length) * std::size_t(z)] = after[std::size_t(z)];
         }
@@ -224,6 +239,7 @@ private:
     const OverlapCost& c_;
     CutCosts costs_;
     std::vector<int> cut_;
+    double depthWeight_ = 1;
 };
 
 } // namespace
@@ -233,16 +249,27 @@ CutSurface cutOverlap(const OverlapCost& cost, Progress& progress) {
         throw Error("a cut needs an overlap of 2 to 32767 voxels, not " + std::to_string(cost.overlap));
     }
     Cutter cutter(cost);
+    cutter.cutAllAlike();
     CutSurface best = cutter.result();
-    for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
-        progress.update("quilt", double(sweep) / kMostSweeps);
-        cutter.sweep(sweep);
+    const auto keepBetter = [&] {
         CutSurface now = cutter.result();
         const bool better = now.cost < best.cost * (1 - 1e-4);
         if (now.cost < best.cost) {
             best = std::move(now);
         }
-        if (!better) {
+        return better;
+    };
+    constexpr int kSweeps = int(std::size(kDepthWeights));
+    for (int sweep = 0; sweep < kSweeps; ++sweep) {
+        progress.update("quilt", double(sweep) / (2 * kSweeps));
+        cutter.sweep(sweep, kDepthWeights[sweep]);
+    }
+    keepBetter();
+    cutter.cutAllAlike();
+    for (int sweep = 1; sweep <= kSweeps; ++sweep) {
+        progress.update("quilt", 0.5 + double(sweep) / (2 * kSweeps));
+        cutter.sweep(sweep, 1);
+        if (!keepBetter() && sweep > 1) {
             break;
         }
     }

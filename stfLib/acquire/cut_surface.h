@@ -30,8 +30,9 @@ struct CutSurface {
 /// A surface through the overlap of small cost, in the measure of Kwatra et al. 2003 ("Graphcut textures"): each face
 /// between a voxel of one picture and one of the other costs the differences at both. The surface is a height over
 /// (along, layer). Each layer is cut by dynamic programming (Efros & Freeman 2001, "Image quilting"), given the layers
-/// above and below it, each line in depth likewise, in turn until nothing improves: exact for one layer or one line,
-/// never worse than a flat cut. Needs an overlap of 2. Throws Cancelled.
+/// above and below it, each line in depth likewise, in turn. That is begun twice, with layers that are drawn together
+/// little by little and with one cut for all layers; the better result counts. Exact for one open layer, and never
+/// worse than the best cut that is the same in all layers. Needs an overlap of 2. Throws Cancelled.
 CutSurface cutOverlap(const OverlapCost& cost, Progress& progress);
 
 } // namespace stf

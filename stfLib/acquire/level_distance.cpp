@@ -229,6 +229,66 @@ void sweep(const Vec3i& size, const Vec3d& h, const std::vector<char>& fixed, st
     }
 }
 
+// Distances of the voxels beside the surface, negative inside; `far` and -`far` elsewhere. `fixed` tells which they
+// are.
+std::vector<float> nearDistance(const Vec3i& size, const Vec3d& voxelMm, const std::vector<float>& level, float far,
+                                std::vector<char>& fixed) {
+    const TileValues field(size, level);
+    const NearestPoint nearest(field, voxelMm);
+    std::vector<float> u(level.size());
+    fixed.assign(level.size(), 0);
+    parallelFor(std::size_t(size.z), 1, [&](std::size_t begin, std::size_t end) {
+        for (int z = int(begin); z < int(end); ++z) {
+            for (int y = 0; y < size.y; ++y) {
+                for (int x = 0; x < size.x; ++x) {
+                    const std::size_t i = field.index(x, y, z);
+                    const double d = nearest.from(x, y, z);
+                    fixed[i] = d >= 0;
+                    u[i] = std::copysign(d >= 0 ? float(d) : far, level[i] < 0 ? -1.0f : 1.0f);
+                }
+            }
+        }
+    });
+    return u;
+}
+
+float farAway(const Vec3i& size, const Vec3d& voxelMm) {
+    return 4 * float(size.x * voxelMm.x + size.y * voxelMm.y + size.z * voxelMm.z);
+}
+
+// Share of the tile's volume where the distance is below a value near 0, each voxel cut by a plane.
+double shareBelow(const Vec3i& size, const Vec3d& h, const std::vector<float>& distance, double value) {
+    const TileValues d(size, distance);
+    std::vector<double> layers(std::size_t(size.z), 0.0);
+    const double reach = length(h) + std::abs(value);
+    parallelFor(layers.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (int z = int(begin); z < int(end); ++z) {
+            double sum = 0;
+            for (int y = 0; y < size.y; ++y) {
+                for (int x = 0; x < size.x; ++x) {
+                    const double own = double(d(x, y, z)) - value;
+                    if (std::abs(own) > reach) {
+                        sum += own < 0 ? 1 : 0;
+                        continue;
+                    }
+                    const Vec3d n = normalize(Vec3d((double(d(x + 1, y, z)) - double(d(x - 1, y, z))) / h.x,
+                                                    (double(d(x, y + 1, z)) - double(d(x, y - 1, z))) / h.y,
+                                                    (double(d(x, y, z + 1)) - double(d(x, y, z - 1))) / h.z));
+                    // Height of the voxel along the normal.
+                    const double height = std::abs(n.x) * h.x + std::abs(n.y) * h.y + std::abs(n.z) * h.z;
+                    sum += std::clamp(0.5 - own / std::max(height, 1e-30), 0.0, 1.0);
+                }
+            }
+            layers[std::size_t(z)] = sum;
+        }
+    });
+    double sum = 0;
+    for (const double s : layers) {
+        sum += s;
+    }
+    return sum / (double(size.x) * size.y * size.z);
+}
+
 } // namespace
 
 std::vector<float> smoothLevel(const Vec3i& size, const std::vector<float>& level, double sigma) {
@@ -252,24 +312,11 @@ std::vector<float> signedDistance(const Vec3i& size, const Vec3d& voxelMm, const
     if (inside == level.size()) {
         return {};
     }
-    const TileValues field(size, level);
-    const NearestPoint nearest(field, voxelMm);
-    const float far = 4 * float(size.x * voxelMm.x + size.y * voxelMm.y + size.z * voxelMm.z);
-    std::vector<float> u(level.size(), far);
-    std::vector<char> fixed(level.size(), 0);
-    parallelFor(std::size_t(size.z), 1, [&](std::size_t begin, std::size_t end) {
-        for (int z = int(begin); z < int(end); ++z) {
-            for (int y = 0; y < size.y; ++y) {
-                for (int x = 0; x < size.x; ++x) {
-                    const double d = nearest.from(x, y, z);
-                    if (d >= 0) {
-                        u[field.index(x, y, z)] = float(d);
-                        fixed[field.index(x, y, z)] = 1;
-                    }
-                }
-            }
-        }
-    });
+    std::vector<char> fixed;
+    std::vector<float> u = nearDistance(size, voxelMm, level, farAway(size, voxelMm), fixed);
+    for (float& d : u) {
+        d = std::abs(d);
+    }
     sweep(size, voxelMm, fixed, u, progress);
     for (std::size_t i = 0; i < u.size(); ++i) {
         u[i] = level[i] < 0 ? -u[i] : u[i];
@@ -282,26 +329,29 @@ double insideShare(const Vec3i& size, const Vec3d& h, const std::vector<float>& 
     if (distance.empty()) {
         return 1;
     }
-    const TileValues d(size, distance);
-    double sum = 0;
-    for (int z = 0; z < size.z; ++z) {
-        for (int y = 0; y < size.y; ++y) {
-            for (int x = 0; x < size.x; ++x) {
-                const double own = double(d(x, y, z));
-                if (std::abs(own) > length(h)) {
-                    sum += own < 0 ? 1 : 0;
-                    continue;
-                }
-                const Vec3d n = normalize(Vec3d((double(d(x + 1, y, z)) - double(d(x - 1, y, z))) / h.x,
-                                                (double(d(x, y + 1, z)) - double(d(x, y - 1, z))) / h.y,
-                                                (double(d(x, y, z + 1)) - double(d(x, y, z - 1))) / h.z));
-                // Height of the voxel along the normal.
-                const double height = std::abs(n.x) * h.x + std::abs(n.y) * h.y + std::abs(n.z) * h.z;
-                sum += std::clamp(0.5 - own / std::max(height, 1e-30), 0.0, 1.0);
-            }
-        }
+    return shareBelow(size, h, distance, 0);
+}
+
+double insideShareOfLevel(const Vec3i& size, const Vec3d& voxelMm, const std::vector<float>& level) {
+    std::vector<char> fixed;
+    return insideShare(size, voxelMm, nearDistance(size, voxelMm, level, farAway(size, voxelMm), fixed));
+}
+
+double moveToShare(const Vec3i& size, const Vec3d& h, double share, std::vector<float>& distance) {
+    if (distance.empty()) {
+        return 0;
     }
-    return sum / (double(size.x) * size.y * size.z);
+    double lo = -0.5 * minComponent(h), hi = -lo;
+    constexpr int kSteps = 10; // to a two-thousandth of a voxel
+    for (int step = 0; step < kSteps; ++step) {
+        const double middle = (lo + hi) / 2;
+        (shareBelow(size, h, distance, middle) < share ? lo : hi) = middle;
+    }
+    const double shift = (lo + hi) / 2;
+    for (float& d : distance) {
+        d -= float(shift);
+    }
+    return shift;
 }
 
 } // namespace stf

@@ -23,5 +23,11 @@ std::vector<float> signedDistance(const Vec3i& size, const Vec3d& voxelMm, const
 
 /// Share of the tile's volume inside, each voxel cut by a plane of its distance and gradient.
 double insideShare(const Vec3i& size, const Vec3d& voxelMm, const std::vector<float>& distance);
+/// The same of a level.
+double insideShareOfLevel(const Vec3i& size, const Vec3d& voxelMm, const std::vector<float>& level);
+
+/// Moves the surface outward or inward everywhere by as much, at most half a voxel, that this share is inside: what
+/// smoothing took of a volume is given back. Returns how far in mm, outward positive.
+double moveToShare(const Vec3i& size, const Vec3d& voxelMm, double share, std::vector<float>& distance);
 
 } // namespace stf

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace stf {
 
@@ -36,6 +37,21 @@ private:
     std::size_t n_;
     std::vector<double> weight_, x_, xx_;
 };
+
+// Of rising values.
+double weightedMedian(const std::vector<std::pair<double, double>>& values) {
+    double total = 0, sum = 0;
+    for (const auto& v : values) {
+        total += v.second;
+    }
+    for (const auto& v : values) {
+        sum += v.second;
+        if (sum >= total / 2) {
+            return v.first;
+        }
+    }
+    return 0;
+}
 
 } // namespace
 
@@ -109,6 +125,27 @@ std::vector<ValueClass> classesBetween(const ValueHistogram& h, const std::vecto
             classes.push_back({0, (h.lo + h.hi) / 2, 0});
         }
         begin = end;
+    }
+    return classes;
+}
+
+std::vector<ValueClass> medianClasses(const ValueHistogram& h, const std::vector<double>& thresholds) {
+    std::vector<ValueClass> classes = classesBetween(h, thresholds);
+    std::size_t begin = 0;
+    for (std::size_t c = 0; c < classes.size(); ++c) {
+        std::vector<std::pair<double, double>> values; // with their weights
+        while (begin < h.bins() && (c == thresholds.size() || h.middle(begin) < thresholds[c])) {
+            values.emplace_back(h.middle(begin), h.counts[begin]);
+            ++begin;
+        }
+        if (classes[c].share > 0) {
+            classes[c].mean = weightedMedian(values);
+            for (auto& v : values) {
+                v.first = std::abs(v.first - classes[c].mean);
+            }
+            std::sort(values.begin(), values.end());
+            classes[c].sigma = 1.4826 * weightedMedian(values);
+        }
     }
     return classes;
 }

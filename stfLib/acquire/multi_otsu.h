@@ -14,4 +14,8 @@ std::vector<double> otsuThresholds(const ValueHistogram& histogram, int k);
 /// Shares, means and standard deviations of the classes between thresholds.
 std::vector<ValueClass> classesBetween(const ValueHistogram& histogram, const std::vector<double>& thresholds);
 
+/// The same with medians for means and 1.4826 times the median deviation from them for standard deviations (those of a
+/// Gaussian): voxels that two materials share, which lie between the classes, then do not count for either's value.
+std::vector<ValueClass> medianClasses(const ValueHistogram& histogram, const std::vector<double>& thresholds);
+
 } // namespace stf

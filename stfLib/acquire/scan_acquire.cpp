@@ -90,7 +90,7 @@ TransferFunction transferOf(const ScanRecipe& r, const Scan& scan, AcquiredScan&
     const ValueHistogram h = histogramOf(scan.values);
     const int k = int(r.materials.size());
     result.classes =
-        r.method == ScanRecipe::Method::Gmm ? fitGaussianMixture(h, k) : classesBetween(h, otsuThresholds(h, k));
+        r.method == ScanRecipe::Method::Gmm ? fitGaussianMixture(h, k) : medianClasses(h, otsuThresholds(h, k));
     return rampsBetween(result.classes);
 }
 
@@ -327,9 +327,12 @@ void acquire(const ScanRecipe& r, Progress& progress, const MessageSink& message
         v.voxelMm = field.voxelMm;
         if (level.wanted) {
             progress.update("surface", 0);
-            const std::vector<float> smooth = smoothLevel(field.size, field.level, r.smooth);
+            v.surface =
+                signedDistance(field.size, field.voxelMm, smoothLevel(field.size, field.level, r.smooth), progress);
+            if (r.smooth > 0) {
+                moveToShare(v.size, v.voxelMm, insideShareOfLevel(v.size, v.voxelMm, field.level), v.surface);
+            }
             field.level = {};
-            v.surface = signedDistance(field.size, field.voxelMm, smooth, progress);
             result.insideShare = insideShare(v.size, v.voxelMm, v.surface);
             if (v.surface.empty()) {
                 report(messages, Severity::Info, "material fills the whole tile: its flat top is the surface");

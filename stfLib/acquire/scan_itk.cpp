@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stfLib/acquire/scan_itk.h"
 
+#include "stfLib/acquire/nifti_length.h"
 #include "stfLib/acquire/scan_byte_order.h"
 
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
+#include <csignal>
+#include <fcntl.h>
 #include <filesystem>
 #include <functional>
 #include <itkGDCMImageIO.h>
@@ -14,6 +18,9 @@
 #include <itkNrrdImageIO.h>
 #include <itkTIFFImageIO.h>
 #include <sstream>
+#include <sys/wait.h>
+#include <type_traits>
+#include <unistd.h>
 
 namespace stf {
 
@@ -31,12 +38,19 @@ bool isTiff(const fs::path& path) {
     return e == ".tif" || e == ".tiff";
 }
 
-// ITK's exceptions carry source files and lines; its description begins with "ITK ERROR: Class(0x...): ".
-std::string reasonOf(const itk::ExceptionObject& e) {
+// What went wrong, from the many words of ITK and the libraries below it: without ITK's class and address, the file's
+// name and the chain of functions that noticed.
+std::string reasonOf(const itk::ExceptionObject& e, const std::string& path) {
     std::string text = e.GetDescription();
-    const std::size_t end = text.find("): ");
-    if (text.find("ITK ERROR: ") != std::string::npos && end != std::string::npos) {
-        text = text.substr(end + 3);
+    const std::size_t last = text.rfind("[nrrd] ");
+    const std::size_t object = text.find("): ");
+    if (last != std::string::npos) {
+        text = text.substr(last + 7);
+    } else if (text.find("(0x") < object && object != std::string::npos) {
+        text = text.substr(object + 3);
+    }
+    for (std::size_t at = text.find(path); at != std::string::npos; at = text.find(path)) {
+        text.replace(at, path.size(), "the file");
     }
     std::replace(text.begin(), text.end(), '\n', ' ');
     while (!text.empty() && text.back() == ' ') {
@@ -45,28 +59,70 @@ std::string reasonOf(const itk::ExceptionObject& e) {
     return text.empty() ? "no reason given" : text;
 }
 
-// The libraries below ITK write to the error stream what their exceptions say again; kept to be told in one message.
+// The libraries below ITK write to the error stream what their exceptions say again; MetaIO's says the only word of a
+// file that ends early.
 class QuietErrors {
 public:
-    QuietErrors() : before_(std::cerr.rdbuf(text_.rdbuf())) { itk::Object::SetGlobalWarningDisplay(false); }
-    ~QuietErrors() { std::cerr.rdbuf(before_); }
+    QuietErrors() : before_(std::cerr.rdbuf(text_.rdbuf())), stream_(::dup(2)) {
+        itk::Object::SetGlobalWarningDisplay(false);
+        const int nothing = ::open("/dev/null", O_WRONLY); // libtiff and niftilib write past std::cerr
+        ::dup2(nothing, 2);
+        ::close(nothing);
+    }
+    ~QuietErrors() {
+        ::dup2(stream_, 2);
+        ::close(stream_);
+        std::cerr.rdbuf(before_);
+    }
     QuietErrors(const QuietErrors&) = delete;
     QuietErrors& operator=(const QuietErrors&) = delete;
+    bool tell(const char* words) const { return text_.str().find(words) != std::string::npos; }
 
 private:
     std::ostringstream text_;
     std::streambuf* before_;
+    int stream_;
 };
 
 template<class F>
-auto withItk(F f) -> decltype(f()) {
+auto withItk(const std::string& path, F f) -> decltype(f()) {
     const QuietErrors quiet;
     try {
-        return f();
+        if constexpr (std::is_void_v<decltype(f())>) {
+            f();
+        } else {
+            auto result = f();
+            if (quiet.tell("not read completely")) {
+                throw Error("ends before its last voxel");
+            }
+            return result;
+        }
     } catch (const itk::ExceptionObject& e) {
-        throw Error("cannot be read: " + reasonOf(e));
+        throw Error("cannot be read: " + reasonOf(e, path));
     } catch (const std::bad_alloc&) {
         throw Error("cannot be read: it asks for more memory than there is");
+    }
+}
+
+// Damaged DICOM ends the process in an assertion of the library that reads it: another process tries first.
+template<class F>
+void tryApart(F f) {
+    const pid_t child = ::fork();
+    if (child == 0) {
+        const int nothing = ::open("/dev/null", O_WRONLY);
+        ::dup2(nothing, 2);
+        std::signal(SIGABRT, SIG_DFL);
+        try {
+            f();
+        } catch (...) { // told by this process, when it does the same
+        }
+        ::_exit(0);
+    }
+    int status = 0;
+    while (child > 0 && ::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+    }
+    if (child > 0 && WIFSIGNALED(status)) {
+        throw Error("is damaged: its reader (GDCM) gave up");
     }
 }
 
@@ -106,6 +162,8 @@ Format format(const char* name) {
     return {name, [] { return itk::ImageIOBase::Pointer(Io::New()); }};
 }
 
+constexpr std::size_t kNifti = 0, kDicom = 4;
+
 // In the order in which an unknown file is asked.
 const std::vector<Format>& formats() {
     static const std::vector<Format> all{format<itk::NiftiImageIO>("NIfTI"), format<itk::NrrdImageIO>("NRRD"),
@@ -134,10 +192,11 @@ const Format& formatOf(const std::string& path) {
         return all[3];
     }
     if (ends(".dcm")) {
-        return all[4];
+        return all[kDicom];
     }
+    tryApart([&] { withItk(path, [&] { return all[kDicom].make()->CanReadFile(path.c_str()); }); });
     for (const Format& f : all) {
-        if (withItk([&] { return f.make()->CanReadFile(path.c_str()); })) {
+        if (withItk(path, [&] { return f.make()->CanReadFile(path.c_str()); })) {
             return f;
         }
     }
@@ -147,7 +206,7 @@ const Format& formatOf(const std::string& path) {
 
 // Opens a file's header. A unit of one value per voxel.
 itk::ImageIOBase::Pointer readInformation(const std::string& path, const Format& f) {
-    return withItk([&] {
+    const auto open = [&] {
         const itk::ImageIOBase::Pointer io = f.make();
         if (!io->CanReadFile(path.c_str())) {
             throw Error(std::string("is no ") + f.name + " file, or its header is damaged");
@@ -160,7 +219,11 @@ itk::ImageIOBase::Pointer readInformation(const std::string& path, const Format&
                         "); a scan has one: convert it to grey first");
         }
         return io;
-    });
+    };
+    if (&f == &formats()[kDicom]) {
+        tryApart([&] { withItk(path, open); });
+    }
+    return withItk(path, open);
 }
 
 ScanHeader headerOf(const itk::ImageIOBase& io, const Format& f) {
@@ -188,8 +251,8 @@ ScanHeader headerOf(const itk::ImageIOBase& io, const Format& f) {
     return h;
 }
 
-// Reads what io's region says; a region of two dimensions for slices.
-std::vector<unsigned char> readRegion(itk::ImageIOBase& io, const VoxelBox& box) {
+// Reads a part of an opened file, whose format may have two dimensions or three.
+std::vector<unsigned char> readRegion(const std::string& path, itk::ImageIOBase& io, const VoxelBox& box) {
     const unsigned dimensions = io.GetNumberOfDimensions();
     itk::ImageIORegion region(dimensions);
     std::size_t bytes = io.GetComponentSize();
@@ -201,8 +264,10 @@ std::vector<unsigned char> readRegion(itk::ImageIOBase& io, const VoxelBox& box)
     }
     std::vector<unsigned char> buffer(bytes);
     io.SetIORegion(region);
-    io.Read(buffer.data());
-    return buffer;
+    return withItk(path, [&] {
+        io.Read(buffer.data());
+        return std::move(buffer);
+    });
 }
 
 void copyPart(const std::vector<unsigned char>& buffer, ScanType type, const VoxelBox& held, const VoxelBox& box,
@@ -244,11 +309,12 @@ public:
         progress.update("read", 0);
         std::vector<float> values(std::size_t(box.voxelCount()));
         try {
+            if (&format_ == &formats()[kNifti]) {
+                checkNiftiLength(path_);
+            }
             const VoxelBox part = held(box);
-            const auto buffer = withItk([&] {
-                const itk::ImageIOBase::Pointer io = readInformation(path_, format_);
-                return readRegion(*io, part);
-            });
+            const itk::ImageIOBase::Pointer io = readInformation(path_, format_);
+            const auto buffer = readRegion(path_, *io, part);
             checkByteOrder(buffer, header_.type, part.size());
             copyPart(buffer, header_.type, part, box, values.data());
         } catch (const Error& e) {
@@ -291,7 +357,7 @@ public:
                                 sizeText({header_.size.x, header_.size.y, 1}));
                 }
                 const VoxelBox whole{Vec3i(0), h.size};
-                const auto buffer = withItk([&] { return readRegion(*io, whole); });
+                const auto buffer = readRegion(path, *io, whole);
                 if (z == (box.lo.z + box.hi.z) / 2) {
                     checkByteOrder(buffer, h.type, h.size);
                 }
@@ -410,7 +476,7 @@ std::unique_ptr<ScanReader> openItk(const std::string& path) {
 std::unique_ptr<ScanReader> openSlices(const std::string& folder, const std::string& series,
                                        const MessageSink& messages) {
     std::vector<std::string> uids, files;
-    withItk([&] {
+    const auto list = [&] {
         const auto names = itk::GDCMSeriesFileNames::New();
         names->SetUseSeriesDetails(false);
         names->SetDirectory(folder);
@@ -418,7 +484,9 @@ std::unique_ptr<ScanReader> openSlices(const std::string& folder, const std::str
         if (!uids.empty() && (uids.size() == 1 || !series.empty())) {
             files = names->GetFileNames(series.empty() ? uids[0] : series);
         }
-    });
+    };
+    tryApart([&] { withItk(folder, list); });
+    withItk(folder, list);
     if (uids.empty()) {
         return openTiffFolder(folder);
     }
@@ -431,7 +499,7 @@ std::unique_ptr<ScanReader> openSlices(const std::string& folder, const std::str
                                     : "the folder holds no DICOM series " + series) +
                     "; choose one with --series: " + known);
     }
-    const Format& f = formats()[4];
+    const Format& f = formats()[kDicom];
     ScanHeader header = headerOf(*readInformation(files[0], f), f);
     if (files.size() == 1) {
         return openItk(files[0]);

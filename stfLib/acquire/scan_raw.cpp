@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stfLib/acquire/scan_raw.h"
 
+#include "stfLib/acquire/gz_file.h"
 #include "stfLib/acquire/scan_byte_order.h"
 
 #include <filesystem>
-#include <zlib.h>
 
 namespace stf {
 
@@ -17,38 +17,6 @@ std::uint64_t blockBytes(const RawLayout& l) {
 bool compressed(const std::string& path) {
     return std::filesystem::path(path).extension() == ".gz";
 }
-
-class GzFile {
-public:
-    explicit GzFile(const std::string& path) : file_(::gzopen(path.c_str(), "rb")) {
-        if (!file_) {
-            throw Error(path + ": cannot be opened");
-        }
-        ::gzbuffer(file_, 1 << 18);
-    }
-    ~GzFile() { ::gzclose(file_); }
-    GzFile(const GzFile&) = delete;
-    GzFile& operator=(const GzFile&) = delete;
-
-    /// Bytes read from an offset of the unpacked file.
-    std::uint64_t read(std::uint64_t offset, unsigned char* bytes, std::uint64_t count) {
-        if (::gzseek(file_, z_off_t(offset), SEEK_SET) < 0) {
-            return 0;
-        }
-        std::uint64_t done = 0;
-        while (done < count) {
-            const int n = ::gzread(file_, bytes + done, unsigned(std::min<std::uint64_t>(count - done, 1u << 30)));
-            if (n <= 0) {
-                break;
-            }
-            done += std::uint64_t(n);
-        }
-        return done;
-    }
-
-private:
-    gzFile file_;
-};
 
 class VoxelBlock : public ScanReader {
 public:

@@ -252,8 +252,9 @@ ScanRecipe parse(const Json& json, const std::string& folder) {
     r.input = resolved(r.input);
     if (r.name.empty()) {
         std::filesystem::path p(r.input);
-        for (p = p.has_filename() ? p.filename() : p.parent_path().filename(); p.has_extension(); p = p.stem()) {
-        }
+        p = p.has_filename() ? p.filename() : p.parent_path().filename();
+        p = p.extension() == ".gz" ? p.stem() : p;
+        p = p.stem();
         r.name = p.string();
     }
     const PropertyTable& builtIn = PropertyTable::builtIn();

@@ -32,7 +32,7 @@ struct ScanRecipe {
 
     enum class Surface { None, Auto, Value } surface = Surface::None;
     double iso = 0;
-    double smooth = 0.8;
+    double smooth = 1.3;
     std::optional<double> topMm; ///< absent: just above the material (without a surface: 0)
     bool topAuto = false;
     std::optional<Material> core; ///< absent: the mean of the tile's materials

@@ -2,67 +2,50 @@
 #include "stfLib/acquire/tile_blend.h"
 
 #include "stfLib/acquire/tile_overlap.h"
-#include "stfLib/base/parallel.h"
-
-#include <algorithm>
 
 namespace stf {
 
 namespace {
 
-TileField blendAxis(const TileField& f, int axis, int overlap) {
-    return joinSides(f, axis, overlap, [&](int i, int, int) {
-        return float((i + 0.5) / overlap); // share of the tile's own voxel
+void exchange(float& a, float& b, float share) {
+    const float moved = share * (b - a);
+    a += moved;
+    b -= moved;
+}
+
+void blendAxis(TileField& f, int axis, int overlap) {
+    requireOverlap(f, axis, overlap, 1);
+    const std::size_t kinds = std::size_t(f.materials);
+    parallelFor(std::size_t(f.size.z), 1, [&](std::size_t begin, std::size_t end) {
+        for (int z = int(begin); z < int(end); ++z) {
+            for (int j = 0; j < f.size[1 - axis]; ++j) {
+                for (int i = 0; i < overlap; ++i) {
+                    Vec3i at(i, j, z);
+                    if (axis == 1) {
+                        std::swap(at.x, at.y);
+                    }
+                    Vec3i mirrored = at;
+                    mirrored[axis] = f.size[axis] - 1 - i;
+                    const std::size_t a = f.index(at.x, at.y, at.z), b = f.index(mirrored.x, mirrored.y, mirrored.z);
+                    const float share = 0.5f - 0.5f * (float(i) + 0.5f) / float(overlap);
+                    for (std::size_t m = 0; m < kinds; ++m) {
+                        exchange(f.fractions[a * kinds + m], f.fractions[b * kinds + m], share);
+                    }
+                    if (!f.level.empty()) {
+                        exchange(f.level[a], f.level[b], share);
+                    }
+                }
+            }
+        }
     });
 }
 
 } // namespace
 
-double fitMeans(TileField& field, const std::vector<double>& means) {
-    const std::size_t kinds = std::size_t(field.materials), voxels = field.voxelCount();
-    constexpr std::size_t kGrain = 1 << 16;
-    constexpr int kMostRounds = 50;
-    double voidMean = 1;
-    for (double m : means) {
-        voidMean -= m;
-    }
-    double worst = 0;
-    for (int round = 0; round < kMostRounds; ++round) {
-        const std::vector<double> now = meanFractions(field);
-        std::vector<double> scale(kinds + 1, 1.0);
-        double voidNow = 1;
-        worst = 0;
-        for (std::size_t m = 0; m < kinds; ++m) {
-            voidNow -= now[m];
-            worst = std::max(worst, std::abs(now[m] - means[m]));
-            scale[m] = now[m] > 0 ? means[m] / now[m] : 1;
-        }
-        worst = std::max(worst, std::abs(voidNow - voidMean));
-        scale[kinds] = voidNow > 1e-12 ? std::max(0.0, voidMean) / voidNow : 1;
-        if (worst < 1e-6) {
-            break;
-        }
-        parallelFor(voxels, kGrain, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i) {
-                float* const f = field.fractions.data() + i * kinds;
-                double sum = 0, total = 0;
-                for (std::size_t m = 0; m < kinds; ++m) {
-                    sum += double(f[m]);
-                    total += double(f[m]) * scale[m];
-                }
-                total += std::max(0.0, 1 - sum) * scale[kinds];
-                for (std::size_t m = 0; total > 0 && m < kinds; ++m) {
-                    f[m] = float(double(f[m]) * scale[m] / total);
-                }
-            }
-        });
-    }
-    return worst;
-}
-
 TileField blendSides(const TileField& field, const Vec3i& overlap) {
-    TileField tile = blendAxis(blendAxis(field, 0, overlap.x), 1, overlap.y);
-    fitMeans(tile, meanFractions(field));
+    TileField tile = field;
+    blendAxis(tile, 0, overlap.x);
+    blendAxis(tile, 1, overlap.y);
     return tile;
 }
 

@@ -42,14 +42,11 @@ OverlapCost overlapCost(const TileField& f, int axis, int overlap, bool circle) 
 }
 
 TileField quiltAxis(const TileField& f, int axis, int overlap, bool circle, double& cutError, Progress& progress) {
-    if (overlap < 2 || overlap > f.size[axis] / 2) {
-        throw Error("an overlap of " + std::to_string(overlap) + " voxels does not fit into a tile of " +
-                    std::to_string(f.size[axis]) + " (2 to half)");
-    }
+    requireOverlap(f, axis, overlap, 2);
     const CutSurface surface = cutOverlap(overlapCost(f, axis, overlap, circle), progress);
     const int length = f.size[1 - axis];
     const auto cutAt = [&](int j, int z) { return surface.cut[std::size_t(j) + std::size_t(length) * std::size_t(z)]; };
-    TileField tile = joinSides(f, axis, overlap, [&](int i, int j, int z) { return i >= cutAt(j, z) ? 1.0f : 0.0f; });
+    TileField tile = joinSides(f, axis, overlap, [&](int i, int j, int z) { return i >= cutAt(j, z); });
     double sum = 0;
     for (int z = 0; z < f.size.z; ++z) {
         for (int j = 0; j < length; ++j) {

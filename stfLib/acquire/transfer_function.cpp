@@ -90,15 +90,10 @@ TransferFunction rampsBetween(const std::vector<ValueClass>& classes) {
     for (std::size_t c = 0; c + 1 < classes.size(); ++c) {
         const ValueClass &a = classes[c], &b = classes[c + 1];
         const double gap = b.mean - a.mean;
-        double lo = a.mean + 2 * a.sigma, hi = b.mean - 2 * b.sigma;
-        if (hi - lo < 0.25 * gap) {
-            // The wider class takes the larger part of the gap.
-            const double s = a.sigma + b.sigma, middle = s > 0 ? a.mean + gap * a.sigma / s : a.mean + gap / 2;
-            lo = std::max(a.mean, middle - 0.125 * gap);
-            hi = std::min(b.mean, middle + 0.125 * gap);
-        }
-        thresholds.push_back((lo + hi) / 2);
-        widths.push_back(hi - lo);
+        // Symmetric about the middle: what a cut through a voxel loses on one side it wins on the other.
+        const double half = std::min(gap / 2 - 2 * a.sigma, gap / 2 - 2 * b.sigma);
+        thresholds.push_back((a.mean + b.mean) / 2);
+        widths.push_back(2 * std::max(half, gap / 8));
     }
     return rampsAt(thresholds, widths);
 }

@@ -33,9 +33,9 @@ private:
 /// Throws Error where thresholds do not rise, widths are negative or ramps overlap.
 TransferFunction rampsAt(const std::vector<double>& thresholds, const std::vector<double>& widths);
 
-/// Ramps between the values of neighbouring classes, as partial volumes of two pure materials have them: what lies
-/// within two standard deviations of a mean counts as pure, but a ramp takes at least a quarter of the way between
-/// means.
+/// Ramps about the middle between the values of neighbouring classes, as partial volumes of two pure materials have
+/// them: what lies within two standard deviations (the larger of both) of a mean counts as pure, but a ramp takes at
+/// least a quarter of the way between means.
 TransferFunction rampsBetween(const std::vector<ValueClass>& classes);
 
 } // namespace stf
