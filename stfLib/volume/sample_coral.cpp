@@ -10,8 +10,9 @@ namespace stf {
 
 namespace {
 
-// The skeleton is aragonite, whose sigma_s' is a few to ten per mm (Marcelino et al. 2013, "Modulation of light-enhancement to
-// symbiotic algae by light-scattering in corals and evolutionary trends in bleaching", PLoS ONE 8); pigment modelled.
+// The skeleton is aragonite, whose sigma_s' is a few to ten per mm (Marcelino et al. 2013, "Modulation of
+// light-enhancement to symbiotic algae by light-scattering in corals and evolutionary trends in bleaching", PLoS ONE
+// 8); pigment modelled.
 const Vec3d kPale{0.010, 0.034, 0.062}, kPigment{0.030, 0.42, 0.62};
 constexpr double kExtinction = 3; // 1/mm, with g = 0
 
@@ -48,8 +49,9 @@ BaseVolume makeCoral(const SampleOptions& options) {
     const std::vector<Ball> voids = holes(extent, top, options.seed);
     v.surface.resize(v.voxelCount());
     const auto depthAt = [&](double x, double y) { return top * (1 - 0.8 * noise.fractal(Vec3d(x, y, 0), 4, 3, 1)); };
+    const Relief crust(v, depthAt);
     forEachVoxel(v, [&](std::size_t i, const Vec3d& mm) {
-        const double outside = distanceToRelief(depthAt, mm, 0.25 * v.voxelMm.x);
+        const double outside = crust.distance(i, mm.z);
         // The union of what lies above the top and of the holes.
         v.surface[i] = float(std::max(outside, depthInBalls(voids, mm, extent)));
         // Pigment where the living layer was: near the outer surface, least on the crests between holes.

@@ -38,8 +38,9 @@ double depthInBalls(const std::vector<Ball>& balls, const Vec3d& mm, const Vec3d
     double deepest = -1e30;
     for (const Ball& b : balls) {
         // The nearest of the ball's copies.
-        const double x = std::remainder(mm.x - b.middle.x, extentMm.x),
-                     y = std::remainder(mm.y - b.middle.y, extentMm.y);
+        const double dx = mm.x - b.middle.x, dy = mm.y - b.middle.y;
+        const double x = dx - extentMm.x * std::floor(dx / extentMm.x + 0.5);
+        const double y = dy - extentMm.y * std::floor(dy / extentMm.y + 0.5);
         deepest = std::max(deepest, b.radius - length(Vec3d(x, y, mm.z - b.middle.z)));
     }
     return deepest;

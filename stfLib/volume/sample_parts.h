@@ -4,6 +4,8 @@
 // Private to stfLib's sources: what the modelled samples are made of.
 #include "stfLib/volume/make_samples.h"
 
+#include <cmath>
+
 namespace stf {
 
 /// Gradient noise (Perlin 2002) over the tile of a volume, about -1 to 1, periodic in x and y.
@@ -38,14 +40,36 @@ BaseVolume blankSample(const char* name, const SampleOptions& options, const Vec
 /// `extinction` and `sigmaA` in 1/mm, `coverage` the share of the voxel that is filled.
 void setMedium(BaseVolume& v, std::size_t i, const Vec3d& sigmaA, double extinction, double coverage);
 
-/// The relief of a depth (mm below the tile's top, for places in mm): signed distance to its tangent planes, exact for
-/// a plane. `depthAt` is called with places outside of the tile, too.
-template<class DepthAt>
-double distanceToRelief(const DepthAt& depthAt, const Vec3d& mm, double step) {
-    const double sx = (depthAt(mm.x + step, mm.y) - depthAt(mm.x - step, mm.y)) / (2 * step);
-    const double sy = (depthAt(mm.x, mm.y + step) - depthAt(mm.x, mm.y - step)) / (2 * step);
-    return (depthAt(mm.x, mm.y) - mm.z) / std::sqrt(1 + sx * sx + sy * sy);
-}
+/// A relief over the columns of a tile (x fastest), given by its depth below the tile's top in mm at places in mm.
+class Relief {
+public:
+    /// `depthAt(x, y)` is called a little outside of the tile, too; slopes come from a quarter of a voxel to both
+    /// sides.
+    template<class DepthAt>
+    Relief(const BaseVolume& v, const DepthAt& depthAt) : columns_(std::size_t(v.size.x) * std::size_t(v.size.y)) {
+        const double e = 0.25 * v.voxelMm.x;
+        for (std::size_t i = 0; i < columns_.size(); ++i) {
+            const double x = (double(i % std::size_t(v.size.x)) + 0.5) * v.voxelMm.x;
+            const double y = (double(i / std::size_t(v.size.x)) + 0.5) * v.voxelMm.y;
+            const double sx = (depthAt(x + e, y) - depthAt(x - e, y)) / (2 * e);
+            const double sy = (depthAt(x, y + e) - depthAt(x, y - e)) / (2 * e);
+            columns_[i] = {depthAt(x, y), std::sqrt(1 + sx * sx + sy * sy)};
+        }
+    }
+    /// Of the column that a voxel (by its index in the volume) is in, mm.
+    double depth(std::size_t voxel) const { return columns_[voxel % columns_.size()].depth; }
+    /// Distance of a depth z in that column to the relief's tangent plane, mm: exact for a plane, positive outside.
+    double distance(std::size_t voxel, double z) const {
+        const Column& c = columns_[voxel % columns_.size()];
+        return (c.depth - z) / c.stretch;
+    }
+
+private:
+    struct Column {
+        double depth, stretch;
+    };
+    std::vector<Column> columns_;
+};
 
 /// Calls f(index, middle of the voxel in mm).
 template<class F>

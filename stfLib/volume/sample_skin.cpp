@@ -94,7 +94,7 @@ BaseVolume makeSkin(const SampleOptions& options) {
     const std::vector<Material> materials{table.find("tissue/Epidermis"), table.find("tissue/Dermis"),
                                           table.find("tissue/Fat"), table.find("tissue/Blood")};
     const std::size_t kinds = materials.size();
-    const SkinRelief relief(v, options.seed);
+    const Relief relief(v, SkinRelief(v, options.seed));
     const TileNoise noise(v, options.seed);
     const double h = v.voxelMm.z;
     // The share of a voxel above a depth at which one layer gives way to the next.
@@ -102,8 +102,8 @@ BaseVolume makeSkin(const SampleOptions& options) {
     std::vector<float> fractions(v.voxelCount() * kinds, 0.0f);
     v.surface.resize(v.voxelCount());
     forEachVoxel(v, [&](std::size_t i, const Vec3d& mm) {
-        v.surface[i] = float(distanceToRelief(relief, mm, 0.25 * v.voxelMm.x));
-        const double depth = mm.z - relief(mm.x, mm.y); // below the skin's surface
+        v.surface[i] = float(relief.distance(i, mm.z));
+        const double depth = mm.z - relief.depth(i); // below the skin's surface
         if (depth < -2 * h) {
             return;
         }

@@ -30,8 +30,9 @@ BaseVolume makeWax(const SampleOptions& options) {
     v.surface.resize(v.voxelCount());
     // Depth of the wax surface below the tile's top; the highest point touches the top.
     const auto depthAt = [&](double x, double y) { return relief * (1 - waxHeight(x / extent.x, y / extent.y)); };
+    const Relief surface(v, depthAt);
     forEachVoxel(v, [&](std::size_t i, const Vec3d& mm) {
-        v.surface[i] = float(distanceToRelief(depthAt, mm, 0.25 * v.voxelMm.x));
+        v.surface[i] = float(surface.distance(i, mm.z));
         // Coefficients are those of the wax: the surface says where it is. Voxels that it may cut have them, too.
         setMedium(v, i, sigmaA, extinction, double(v.surface[i]) > v.voxelMm.x ? 0.0 : 1.0);
     });

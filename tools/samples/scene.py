@@ -16,8 +16,9 @@ import usda_text as usda  # noqa: E402
 EYE = np.array((0.0, 0.42, 1.0)) / np.linalg.norm((0.0, 0.42, 1.0))
 
 
-def facing_coordinates(points):
-    """Azimuthal equidistant coordinates of the points of a ball, about the point nearest to the camera, in radii."""
+def facing_coordinates(points, offset):
+    """Azimuthal equidistant coordinates of the points of a ball, about the point nearest to the camera, in radii; that
+    point has the coordinates `offset`."""
     # Not quite at the camera: no point of the mesh may lie opposite, where the coordinates have no direction.
     pole = EYE + np.array((0.013, 0.007, 0.0))
     pole /= np.linalg.norm(pole)
@@ -27,7 +28,7 @@ def facing_coordinates(points):
     unit = points / np.linalg.norm(points, axis=1)[:, None]
     angle = np.arccos(np.clip(unit @ pole, -1, 1))
     along = np.stack([unit @ right, unit @ up], axis=1)
-    return along / np.maximum(np.linalg.norm(along, axis=1), 1e-9)[:, None] * angle[:, None]
+    return along / np.maximum(np.linalg.norm(along, axis=1), 1e-9)[:, None] * angle[:, None] + offset
 
 
 def studio_of(picture):
@@ -40,6 +41,7 @@ def text(name, picture):
     radius = float(picture["radiusMm"])
     quads, points, _, _ = make_wax_sphere.sphere(radius, 8)
     light = float(picture.get("light", 1))
+    offset = np.array(picture.get("offsetMm", (0, 0))) / radius
     return f"""#usda 1.0
 (
     doc = "A ball of {name}, radius {radius:g} mm. Written by tools/samples. Millimetres."
@@ -58,7 +60,7 @@ def Xform "World"
         int[] faceVertexCounts = {usda.numbers(np.full(len(quads), 4))}
         int[] faceVertexIndices = {usda.numbers(quads.ravel())}
         point3f[] points = {usda.numbers(points, 6)}
-        texCoord2f[] primvars:st = {usda.numbers(facing_coordinates(points), 6)} (
+        texCoord2f[] primvars:st = {usda.numbers(facing_coordinates(points, offset), 6)} (
             interpolation = "vertex"
         )
         uniform token subdivisionScheme = "catmullClark"
