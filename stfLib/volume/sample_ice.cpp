@@ -49,7 +49,7 @@ BaseVolume makeIce(const SampleOptions& options) {
     const Vec3d extent = v.extentMm();
     v.ior.assign(v.voxelCount(), float(kIor));
     const double clear = reducedScattering(1e-3, 0.5), white = reducedScattering(0.05, 0.3),
-                 bubble = reducedScattering(0.3, 0.6), crackWhite = reducedScattering(0.1, 0.4);
+                 bubble = reducedScattering(0.5, 0.3), crackWhite = reducedScattering(0.3, 0.2);
     forEachVoxel(v, [&](std::size_t i, const Vec3d& mm) {
         const double w = 0.10 * extent.x;
         const Vec3d p = mm + Vec3d(noise(mm, 2, 1), noise(mm, 2, 2), noise(mm, 2, 3)) * w;
@@ -64,9 +64,9 @@ BaseVolume makeIce(const SampleOptions& options) {
         const double crackShare =
             cracked * (std::exp(-std::pow(crack / 0.020, 2)) + 0.35 * feather * smoothStep(0.12, 0.0, crack));
         // Water that freezes from outside drives its air inward: the heart of a piece is white.
-        const double heart = smoothStep(0.55, 1.15, mm.z / extent.z + 0.20 * noise.fractal(p, 4, 3, 30));
+        const double heart = smoothStep(0.6, 1.2, mm.z / extent.z + 0.20 * noise.fractal(p, 4, 3, 30));
         const double scattering =
-            clear + white * (0.7 * band + 1.5 * heart) + crackWhite * crackShare + bubble * inside;
+            clear + white * (0.45 * band + 1.5 * heart) + crackWhite * crackShare + bubble * inside;
         const double extinction = scattering + average(kIce);
         v.extinction[i] = Rgb(float(extinction));
         v.albedo[i] = Rgb(Vec3d(1.0) - kIce / extinction);

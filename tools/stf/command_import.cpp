@@ -60,7 +60,7 @@ void run(Arguments a) {
                 result.density.grid.c_str(), a.import.material.name.c_str(), v.size.x, v.size.y, v.size.z, mm.x, mm.y,
                 mm.z);
     std::printf("density up to %.4g; density times volume: %.4g %% of the file's%s\n", result.density.highest,
-                100 * kept, a.tile == "none" ? "" : " (a joined tile is smaller)");
+                100 * kept, a.tile == "quilt" ? " (a quilted tile is smaller)" : "");
     std::printf("sides: periodicity error %.2f along x, %.2f along y%s\n", result.scan.after.x, result.scan.after.y,
                 a.tile == "none" ? " (--tile blend or quilt joins them)" : "");
 }
