@@ -56,3 +56,6 @@ foreach(lib RANDOM123 XXHASH STB)
         target_link_libraries(${target} INTERFACE ${${lib}_LIBRARY})
     endif()
 endforeach()
+
+# Readers of meshes (layer acquire). Debian's config names a folder of headers that a package may not have.
+find_package(assimp 5 REQUIRED CONFIG)

@@ -17,5 +17,10 @@ void addInspectCommand(CLI::App& app);
 void addCacheCommand(CLI::App& app);
 void addSlabCommand(CLI::App& app);
 void addMapCommand(CLI::App& app);
+void addAcquireCommand(CLI::App& app);
+
+/// Each adds one command to the group `stf acquire`.
+void addAcquireMeshCommand(CLI::App& group);
+void addAcquireScanCommand(CLI::App& group);
 
 } // namespace stf

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stfLib/acquire/mesh_distance.h"
+
+#include "stfLib/base/parallel.h"
+
+#include <atomic>
+
+namespace stf {
+
+namespace {
+
+const std::vector<Vec2d> kMiddle{{0.5, 0.5}};
+
+/// Triangles that bound material against the outside: without walls between neighbouring tiles and without the bottom.
+TriangleMesh boundary(const TriangleMesh& mesh, const TileGrid& grid) {
+    const Vec3d extent = grid.extentMm();
+    const Box3d box = boundsOf(mesh);
+    TriangleMesh result;
+    result.points = mesh.points;
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+        bool wall = false;
+        for (int axis = 0; axis < 2; ++axis) {
+            const double slack = 1e-6 * extent[axis];
+            const auto lies = [&](double at) {
+                for (int k = 0; k < 3; ++k) {
+                    if (std::abs(mesh.corner(i, k)[axis] - at) > slack) {
+                        return false;
+                    }
+                }
+                return true;
+            };
+            const bool spans = std::abs(box.size()[axis] - extent[axis]) < slack;
+            wall = wall || (spans && (lies(box.lo[axis]) || lies(box.hi[axis])));
+        }
+        const double slack = 1e-6 * extent.z;
+        const bool bottom =
+            std::min({mesh.corner(i, 0).z, mesh.corner(i, 1).z, mesh.corner(i, 2).z}) >= extent.z - slack;
+        if (!wall && !bottom) {
+            result.triangles.push_back(mesh.triangles[i]);
+        }
+    }
+    return result;
+}
+
+/// A tree of triangles that repeats with the tile.
+class PeriodicTree {
+public:
+    PeriodicTree(const TriangleMesh& mesh, const TileGrid& grid)
+        : tree_(mesh), box_(boundsOf(mesh)), extent_(grid.extentMm()) {}
+    double distance(const Vec3d& p, double bound) const {
+        if (tree_.empty()) {
+            return bound;
+        }
+        double best = bound;
+        const Vec3d middle = box_.middle();
+        const int nearX = int(std::round((middle.x - p.x) / extent_.x)),
+                  nearY = int(std::round((middle.y - p.y) / extent_.y));
+        best = tree_.distance(shifted(p, nearX, nearY), best);
+        const int x0 = int(std::ceil((box_.lo.x - best - p.x) / extent_.x)),
+                  x1 = int(std::floor((box_.hi.x + best - p.x) / extent_.x));
+        const int y0 = int(std::ceil((box_.lo.y - best - p.y) / extent_.y)),
+                  y1 = int(std::floor((box_.hi.y + best - p.y) / extent_.y));
+        for (int y = y0; y <= y1; ++y) {
+            for (int x = x0; x <= x1; ++x) {
+                const Vec3d q = shifted(p, x, y);
+                if ((x != nearX || y != nearY) && box_.distance(q) < best) {
+                    best = tree_.distance(q, best);
+                }
+            }
+        }
+        return best;
+    }
+    /// Where winding number and 1/2 are nearest to each other, over all repetitions: in mm to first order, at least 0.
+    double toLevel(const Vec3d& p, double step) const {
+        double best = 1e300;
+        const int x0 = int(std::ceil((box_.lo.x - p.x) / extent_.x)),
+                  x1 = int(std::floor((box_.hi.x - p.x) / extent_.x));
+        const int y0 = int(std::ceil((box_.lo.y - p.y) / extent_.y)),
+                  y1 = int(std::floor((box_.hi.y - p.y) / extent_.y));
+        for (int y = y0; y <= y1; ++y) {
+            for (int x = x0; x <= x1; ++x) {
+                const Vec3d q = shifted(p, x, y);
+                Vec3d gradient;
+                for (int k = 0; k < 3; ++k) {
+                    Vec3d lo = q, hi = q;
+                    lo[k] -= step;
+                    hi[k] += step;
+                    gradient[k] = (tree_.windingNumber(hi) - tree_.windingNumber(lo)) / (2 * step);
+                }
+                const double slope = length(gradient);
+                if (slope > 0) {
+                    best = std::min(best, std::abs(tree_.windingNumber(q) - 0.5) / slope);
+                }
+            }
+        }
+        return best;
+    }
+
+private:
+    Vec3d shifted(const Vec3d& p, int x, int y) const { return p + Vec3d(x * extent_.x, y * extent_.y, 0); }
+    TriangleTree tree_;
+    Box3d box_;
+    Vec3d extent_;
+};
+
+/// Distances to a tree; inside(x, y, stretches) tells where the middle line of a column is inside.
+template<class Inside>
+std::vector<float> distances(const PeriodicTree& tree, bool open, const TileGrid& grid, Progress& progress,
+                             Inside inside) {
+    const Vec3d h = grid.voxelMm;
+    const std::size_t columns = std::size_t(grid.size.x) * std::size_t(grid.size.y);
+    // Where nothing is near in any repetition: further than the tile is large.
+    const double far = 2 * length(grid.extentMm());
+    const double slice = 0.25 * minComponent(h), nearby = length(h);
+    std::vector<float> result(columns * std::size_t(grid.size.z));
+    std::atomic<std::size_t> done{0};
+    parallelFor(columns, 64, [&](std::size_t begin, std::size_t end) {
+        std::vector<Stretch> stretches;
+        for (std::size_t c = begin; c < end; ++c) {
+            const int x = int(c % std::size_t(grid.size.x)), y = int(c / std::size_t(grid.size.x));
+            stretches.clear();
+            inside(x, y, stretches);
+            double before = far;
+            for (int z = 0; z < grid.size.z; ++z) {
+                const Vec3d p = Vec3d(x + 0.5, y + 0.5, z + 0.5) * h;
+                // The voxel above bounds it, which makes the search short.
+                double d = tree.distance(p, std::min(far, before + 1.001 * h.z));
+                before = d;
+                if (open && d > 0.5 * minComponent(h)) {
+                    const double level = tree.toLevel(p, slice);
+                    // Only near the level is the first order good for anything.
+                    d = level < 2 * nearby ? std::min(d, level) : d;
+                }
+                const bool in = std::any_of(stretches.begin(), stretches.end(),
+                                            [&](const Stretch& s) { return s.from <= p.z && p.z < s.to; });
+                result[c + columns * std::size_t(z)] = float(in ? -d : d);
+            }
+        }
+        progress.update("distance", double(done += end - begin) / double(columns));
+    });
+    return result;
+}
+
+} // namespace
+
+std::vector<float> signedDistance(const MeshColumns& mesh, const TileGrid& grid, Progress& progress) {
+    const PeriodicTree tree(boundary(mesh.mended().mesh, grid), grid);
+    return distances(tree, !mesh.mended().caps.triangles.empty(), grid, progress,
+                     [&](int x, int y, std::vector<Stretch>& out) { mesh.inside(x, y, kMiddle, out); });
+}
+
+std::vector<float> signedDistance(const CoverBody& body, const TileGrid& grid, Progress& progress) {
+    const std::size_t layer = std::size_t(grid.size.x) * std::size_t(grid.size.y);
+    std::vector<float> result(layer * std::size_t(grid.size.z), float(2 * length(grid.extentMm())));
+    if (body.material < 0) {
+        return result;
+    }
+    if (body.kind == CoverBody::Kind::Full) {
+        for (std::size_t i = 0; i < result.size(); ++i) {
+            result[i] = float(-(double(i / layer) + 0.5) * grid.voxelMm.z);
+        }
+    } else if (body.kind == CoverBody::Kind::Relief) {
+        const PeriodicTree tree(boundary(body.meshes.front()->mended().mesh, grid), grid);
+        return distances(tree, false, grid, progress, [&](int x, int y, std::vector<Stretch>& out) {
+            bodyStretches(body, grid, x, y, kMiddle, out);
+        });
+    } else {
+        for (const MeshColumns* mesh : body.meshes) {
+            const std::vector<float> d = signedDistance(*mesh, grid, progress);
+            std::transform(d.begin(), d.end(), result.begin(), result.begin(),
+                           [](float a, float b) { return std::min(a, b); });
+        }
+    }
+    return result;
+}
+
+std::vector<float> signedDistance(const CoverBody& body, const std::vector<CoverObject>& objects,
+                                  const std::vector<char>& protrudes, const TileGrid& grid, Progress& progress) {
+    std::vector<float> result = signedDistance(body, grid, progress);
+    for (std::size_t o = 0; o < objects.size(); ++o) {
+        const bool hollow = objects[o].material < 0;
+        if (hollow || protrudes[o]) {
+            const std::vector<float> d = signedDistance(*objects[o].columns, grid, progress);
+            for (std::size_t i = 0; i < d.size(); ++i) {
+                result[i] = hollow ? std::max(result[i], -d[i]) : std::min(result[i], d[i]);
+            }
+        }
+    }
+    return result;
+}
+
+} // namespace stf

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stfLib/acquire/mesh_triangles.h"
+
+namespace stf {
+
+void Box3d::add(const Vec3d& p) {
+    for (int k = 0; k < 3; ++k) {
+        lo[k] = std::min(lo[k], p[k]);
+        hi[k] = std::max(hi[k], p[k]);
+    }
+}
+
+double Box3d::distance(const Vec3d& p) const {
+    double squares = 0;
+    for (int k = 0; k < 3; ++k) {
+        const double d = std::max({lo[k] - p[k], 0.0, p[k] - hi[k]});
+        squares += d * d;
+    }
+    return std::sqrt(squares);
+}
+
+Box3d boundsOf(const TriangleMesh& mesh) {
+    Box3d box;
+    for (const Vec3i& t : mesh.triangles) {
+        for (int k = 0; k < 3; ++k) {
+            box.add(mesh.points[std::size_t(t[k])]);
+        }
+    }
+    return box;
+}
+
+double signedVolume(const TriangleMesh& mesh) {
+    const Vec3d middle = boundsOf(mesh).middle();
+    double sum = 0;
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+        const Vec3d a = mesh.corner(i, 0) - middle, b = mesh.corner(i, 1) - middle, c = mesh.corner(i, 2) - middle;
+        sum += dot(a, cross(b, c));
+    }
+    return sum / 6;
+}
+
+TriangleMesh transformed(const TriangleMesh& mesh, const Transform& transform) {
+    TriangleMesh result = mesh;
+    for (Vec3d& p : result.points) {
+        p = transform.point(p);
+    }
+    if (transform.determinant() < 0) {
+        for (Vec3i& t : result.triangles) {
+            std::swap(t.y, t.z);
+        }
+    }
+    return result;
+}
+
+void append(TriangleMesh& mesh, const TriangleMesh& more) {
+    const int first = int(mesh.points.size());
+    mesh.points.insert(mesh.points.end(), more.points.begin(), more.points.end());
+    for (const Vec3i& t : more.triangles) {
+        mesh.triangles.push_back(t + Vec3i(first));
+    }
+}
+
+} // namespace stf
