@@ -151,6 +151,15 @@ Synthesis synthesize(const RefinedSurface& surface, const BaseVolume& volume, do
     return s;
 }
 
+Vec2f patchTurn(const Synthesis& s, std::size_t v) {
+    const std::size_t entry = std::size_t(s.labels.entry[v]);
+    double j[4] = {1, 0, 0, 1};
+    jacobian(s, v, s.cover.chart[entry], s.cover.coord[entry], j);
+    // The rotation nearest to the derivative.
+    const double x = j[0] + j[3], y = j[2] - j[1], l = std::hypot(x, y);
+    return l > 0 ? Vec2f(float(x / l), float(y / l)) : Vec2f(1, 0);
+}
+
 ExemplarMap exemplarMap(const Synthesis& s) {
     ExemplarMap map;
     map.tileMm = s.exemplar.tileMm();

@@ -40,6 +40,10 @@ RefinedSurface sampleSurface(RefinedSurface surface, double texelMm, double mmPe
 Synthesis synthesize(const RefinedSurface& surface, const BaseVolume& volume, double mmPerUnit,
                      const SynthesisOptions& options, Progress& progress);
 
+/// Cosine and sine of the angle by which the sample is turned at a vertex against the field: 0 where its patch follows
+/// the field.
+Vec2f patchTurn(const Synthesis& synthesis, std::size_t v);
+
 /// Coordinates and gradients per triangle corner: every triangle belongs to one patch, whose coordinates are continued
 /// to the corners that belong to another.
 ExemplarMap exemplarMap(const Synthesis& synthesis);

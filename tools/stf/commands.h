@@ -17,6 +17,7 @@ void addInspectCommand(CLI::App& app);
 void addCacheCommand(CLI::App& app);
 void addSlabCommand(CLI::App& app);
 void addMapCommand(CLI::App& app);
+void addSynthesizeCommand(CLI::App& app);
 void addAcquireCommand(CLI::App& app);
 
 /// Each adds one command to the group `stf acquire`.

@@ -16,6 +16,7 @@ int main(int argc, char** argv) {
     stf::addCacheCommand(app);
     stf::addSlabCommand(app);
     stf::addMapCommand(app);
+    stf::addSynthesizeCommand(app);
     stf::addAcquireCommand(app);
     try {
         app.parse(argc, argv);
