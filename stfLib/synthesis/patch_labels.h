@@ -23,10 +23,6 @@ Vec2f nearestImage(const Vec2f& d, const Vec2d& tileMm);
 /// where it reaches so far, else by the step.
 Vec2f continued(const ChartCover& cover, const PatchLabels& labels, std::size_t u, std::size_t v, const Vec2f& step);
 
-/// By how much u's patch, continued to v, differs from what v shows, modulo the tile, mm; the lesser of both ways.
-float breakAcross(const ChartCover& cover, const PatchLabels& labels, const Vec2d& tileMm, std::size_t u, std::size_t v,
-                  const Vec2f& step);
-
 struct SeamOptions {
     int sweeps = 2;
     double strainCost = 2;   ///< per squared logarithm of stretch at a vertex, in units of the sample's own error

@@ -20,6 +20,7 @@ constexpr int kRandomCandidates = 48;
 constexpr int kFinalists = 24;
 constexpr int kBins = 16;           ///< of the usage map, along each axis
 constexpr float kCap = 8;           ///< a mismatch counts at most this many times the sample's own: then it is a break
+constexpr double kVisible = 2.5; ///< steps of lightness, over a neighbourhood
 constexpr float kRival = 0.12f;     ///< of remoteness: where two charts may meet
 
 /// A place where a chart overlaps another that has chosen.
@@ -43,8 +44,10 @@ public:
           offset_(cover.charts.size()), chosen_(cover.charts.size(), 0), core_(cover.charts.size()),
           usage_(std::size_t(kBins * kBins), 0.0f) {
         tile_ = {float(ex.tileMm().x), float(ex.tileMm().y)};
-        // Own error zero (a sample that repeats itself): a hundredth of a step of lightness is then a mismatch.
-        own2_ = float(std::max(ex.ownError * ex.ownError, 1e-4));
+        // Of a sample without places that are alike every seam is seen: its own error is no measure then. Where it is
+        // zero (a sample that repeats itself), a hundredth of a step of lightness is a mismatch.
+        const double own = std::min(ex.ownError, kVisible);
+        own2_ = float(std::max(own * own, 1e-4));
         findCores();
     }
 

@@ -43,18 +43,16 @@ AppearanceImage::Value show(const Synthesis& s, const Vec2f& mm) {
 }
 
 void links(const Synthesis& s, SynthesisQuality& q) {
-    const float texel = float(std::max(s.exemplar.texelMm.x, s.exemplar.texelMm.y));
-    const Vec2d tile = s.exemplar.tileMm();
     enum { Error, Links, Seams, SeamError, Count };
     const std::vector<double> sum = orderedSums(s.graph.size(), Count, [&](std::size_t v, std::vector<double>& out) {
         double around = 0;
         int n = 0;
-        const Vec2f at = s.labels.coord(s.cover, v), turn = patchTurn(s, v);
+        const Vec2f at = s.coords.coord[v], turn = patchTurn(s, v);
         for (int k = s.graph.first[v]; k < s.graph.first[v + 1]; ++k) {
             const std::size_t u = std::size_t(s.graph.neighbour[std::size_t(k)]);
             const Vec2f step = s.steps.stepMm[std::size_t(k)];
             // What v's texel has beside it, against what the surface shows there: the sample is not stretched.
-            const Vec2f shown = s.labels.coord(s.cover, u);
+            const Vec2f shown = s.coords.coord[u];
             const Vec2f expected =
                 at + Vec2f(turn.x * step.x - turn.y * step.y, turn.y * step.x + turn.x * step.y);
             const double d = double(squaredDistance(show(s, shown), show(s, expected)));
@@ -62,7 +60,7 @@ void links(const Synthesis& s, SynthesisQuality& q) {
             ++n;
             if (u > v) {
                 out[Links] += 1;
-                if (breakAcross(s.cover, s.labels, tile, v, u, step) > texel) {
+                if (s.coords.broken[std::size_t(k)]) {
                     out[Seams] += 1;
                     out[SeamError] += d;
                 }
@@ -81,7 +79,7 @@ void usage(const Synthesis& s, SynthesisQuality& q) {
     std::vector<double> use(e.texelCount(), 0.0);
     for (std::size_t v = 0; v < s.graph.size(); ++v) {
         // Shared by the four texels around, so that a lattice of samples against that of texels makes no pattern.
-        const Vec2f t = inTexels(s, s.labels.coord(s.cover, v));
+        const Vec2f t = inTexels(s, s.coords.coord[v]);
         const double x = double(t.x) - 0.5, y = double(t.y) - 0.5, fx = std::floor(x), fy = std::floor(y);
         for (int c = 0; c < 4; ++c) {
             const double wx = c & 1 ? x - fx : 1 - (x - fx), wy = c & 2 ? y - fy : 1 - (y - fy);
@@ -100,7 +98,7 @@ void usage(const Synthesis& s, SynthesisQuality& q) {
 }
 
 std::size_t texelOf(const Synthesis& s, std::size_t v) {
-    const Vec2f t = inTexels(s, s.labels.coord(s.cover, v));
+    const Vec2f t = inTexels(s, s.coords.coord[v]);
     return std::size_t(s.exemplar.wrapY(int(std::floor(t.y)))) * std::size_t(s.exemplar.width) +
            std::size_t(s.exemplar.wrapX(int(std::floor(t.x))));
 }
@@ -311,8 +309,6 @@ double kolmogorovSmirnov(std::vector<std::pair<float, double>>& a, std::vector<s
 }
 
 std::vector<int> patchNumbers(const Synthesis& s, int& count) {
-    const float texel = float(std::max(s.exemplar.texelMm.x, s.exemplar.texelMm.y));
-    const Vec2d tile = s.exemplar.tileMm();
     std::vector<int> patch(s.graph.size(), -1), stack;
     count = 0;
     for (std::size_t start = 0; start < patch.size(); ++start) {
@@ -326,8 +322,7 @@ std::vector<int> patchNumbers(const Synthesis& s, int& count) {
             stack.pop_back();
             for (int k = s.graph.first[v]; k < s.graph.first[v + 1]; ++k) {
                 const std::size_t u = std::size_t(s.graph.neighbour[std::size_t(k)]);
-                if (patch[u] < 0 &&
-                    breakAcross(s.cover, s.labels, tile, v, u, s.steps.stepMm[std::size_t(k)]) <= texel) {
+                if (patch[u] < 0 && !s.coords.broken[std::size_t(k)]) {
                     patch[u] = count;
                     stack.push_back(int(u));
                 }

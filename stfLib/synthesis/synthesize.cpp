@@ -4,6 +4,7 @@
 #include "stfLib/base/parallel.h"
 #include "stfLib/surface/split_edges.h"
 #include "stfLib/synthesis/coherence_passes.h"
+#include "stfLib/synthesis/heal_breaks.h"
 #include "stfLib/synthesis/patch_offsets.h"
 
 #include <algorithm>
@@ -18,7 +19,9 @@ namespace {
 constexpr double kPatchShare = 0.6; ///< of the tile's shorter side, between the middles of patches
 constexpr double kLeastPatch = 24;  ///< texels: smaller patches would be mostly seam
 /// Longest edge in texels. Halves of right-angled triangles then have about one vertex per texel.
-constexpr double kEdgeTexels = 1.5;
+constexpr double kEdgeTexels = 1.75;
+constexpr std::size_t kLeastFragment = 24; ///< vertices: less is no patch but a flaw of one
+constexpr double kHealedTexels = 8;        ///< breaks up to here are made up for by stretching
 
 class StageTimes {
 public:
@@ -34,55 +37,71 @@ private:
     std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-/// Derivative of a chart's coordinates by steps in a vertex's frame, row by row; false where too few neighbours share
-/// the chart.
-bool jacobian(const Synthesis& s, std::size_t v, int chart, const Vec2f& at, double (&out)[4]) {
-    double m[3] = {0, 0, 0}, c[4] = {0, 0, 0, 0};
-    for (int k = s.graph.first[v]; k < s.graph.first[v + 1]; ++k) {
-        const int e = s.cover.entryAt(s.graph.neighbour[std::size_t(k)], chart);
-        if (e < 0) {
-            continue;
+/// Derivative of the coordinates by steps in a vertex's frame, row by row, over the links that no seam crosses. Where
+/// they are too few to tell, that of the chart over all links.
+bool jacobian(const Synthesis& s, std::size_t v, double (&out)[4]) {
+    for (int overChart = 0; overChart < 2; ++overChart) {
+        const std::size_t entry = std::size_t(s.labels.entry[v]);
+        double m[3] = {0, 0, 0}, c[4] = {0, 0, 0, 0};
+        for (int k = s.graph.first[v]; k < s.graph.first[v + 1]; ++k) {
+            Vec2f d = s.coords.delta[std::size_t(k)];
+            if (overChart) {
+                const int e = s.cover.entryAt(s.graph.neighbour[std::size_t(k)], s.cover.chart[entry]);
+                if (e < 0) {
+                    continue;
+                }
+                d = s.cover.coord[std::size_t(e)] - s.cover.coord[entry];
+            } else if (s.coords.broken[std::size_t(k)]) {
+                continue;
+            }
+            const Vec2f step = s.steps.stepMm[std::size_t(k)];
+            m[0] += double(step.x * step.x);
+            m[1] += double(step.x * step.y);
+            m[2] += double(step.y * step.y);
+            c[0] += double(d.x * step.x);
+            c[1] += double(d.x * step.y);
+            c[2] += double(d.y * step.x);
+            c[3] += double(d.y * step.y);
         }
-        const Vec2f step = s.steps.stepMm[std::size_t(k)], d = s.cover.coord[std::size_t(e)] - at;
-        m[0] += double(step.x * step.x);
-        m[1] += double(step.x * step.y);
-        m[2] += double(step.y * step.y);
-        c[0] += double(d.x * step.x);
-        c[1] += double(d.x * step.y);
-        c[2] += double(d.y * step.x);
-        c[3] += double(d.y * step.y);
+        const double det = m[0] * m[2] - m[1] * m[1];
+        if (det > 1e-2 * (m[0] + m[2]) * (m[0] + m[2])) {
+            out[0] = (c[0] * m[2] - c[1] * m[1]) / det;
+            out[1] = (c[1] * m[0] - c[0] * m[1]) / det;
+            out[2] = (c[2] * m[2] - c[3] * m[1]) / det;
+            out[3] = (c[3] * m[0] - c[2] * m[1]) / det;
+            if (out[0] * out[3] - out[1] * out[2] > 0.05) {
+                return true;
+            }
+        }
     }
-    const double det = m[0] * m[2] - m[1] * m[1];
-    if (!(det > 1e-4 * (m[0] + m[2]) * (m[0] + m[2]))) {
-        return false;
-    }
-    out[0] = (c[0] * m[2] - c[1] * m[1]) / det;
-    out[1] = (c[1] * m[0] - c[0] * m[1]) / det;
-    out[2] = (c[2] * m[2] - c[3] * m[1]) / det;
-    out[3] = (c[3] * m[0] - c[2] * m[1]) / det;
-    return true;
+    out[0] = out[3] = 1;
+    out[1] = out[2] = 0;
+    return false;
 }
 
-/// The corner whose patch a triangle takes: of the patch that most corners have, else the one that reaches all.
+/// The link from u to v, or -1.
+int linkOf(const SurfaceGraph& g, int u, int v) {
+    const auto begin = g.neighbour.begin() + g.first[std::size_t(u)],
+               end = g.neighbour.begin() + g.first[std::size_t(u) + 1];
+    const auto it = std::lower_bound(begin, end, v);
+    return it != end && *it == v ? int(it - g.neighbour.begin()) : -1;
+}
+
+/// The corner whose patch a triangle takes: one with the most unbroken sides.
 int leadingCorner(const Synthesis& s, const Vec3i& t) {
-    const auto same = [&](int a, int b) {
-        const std::size_t u = std::size_t(t[a]), v = std::size_t(t[b]);
-        return s.cover.chart[std::size_t(s.labels.entry[u])] == s.cover.chart[std::size_t(s.labels.entry[v])] &&
-               s.labels.offset[u] == s.labels.offset[v];
-    };
-    if (same(0, 1) || same(0, 2)) {
-        return 0;
-    }
-    if (same(1, 2)) {
-        return 1;
-    }
+    int unbroken[3] = {0, 0, 0};
     for (int c = 0; c < 3; ++c) {
-        const int chart = s.cover.chart[std::size_t(s.labels.entry[std::size_t(t[c])])];
-        if (s.cover.entryAt(t[(c + 1) % 3], chart) >= 0 && s.cover.entryAt(t[(c + 2) % 3], chart) >= 0) {
-            return c;
+        const int k = linkOf(s.graph, t[c], t[(c + 1) % 3]);
+        if (k >= 0 && !s.coords.broken[std::size_t(k)]) {
+            ++unbroken[c];
+            ++unbroken[(c + 1) % 3];
         }
     }
-    return 0;
+    return int(std::max_element(unbroken, unbroken + 3) - unbroken);
+}
+
+double signedArea(const Vec2f& a, const Vec2f& b, const Vec2f& c) {
+    return double(b.x - a.x) * double(c.y - a.y) - double(b.y - a.y) * double(c.x - a.x);
 }
 
 } // namespace
@@ -147,14 +166,18 @@ Synthesis synthesize(const RefinedSurface& surface, const BaseVolume& volume, do
     CoherenceOptions coherence;
     coherence.seed = options.seed;
     correctByCoherence(s.graph, s.steps, s.cover, s.exemplar, coherence, s.labels, progress);
+    absorbFragments(s.graph, s.cover, kLeastFragment, s.labels);
     times.done("coherence");
+    // A twelfth of the tile: more is another place.
+    const double healed = std::min(kHealedTexels, std::min(s.exemplar.width, s.exemplar.height) / 12.0);
+    s.coords = healBreaks(s.graph, s.steps, s.cover, s.exemplar, s.labels, std::max(1.0, healed), progress);
+    times.done("healing");
     return s;
 }
 
 Vec2f patchTurn(const Synthesis& s, std::size_t v) {
-    const std::size_t entry = std::size_t(s.labels.entry[v]);
-    double j[4] = {1, 0, 0, 1};
-    jacobian(s, v, s.cover.chart[entry], s.cover.coord[entry], j);
+    double j[4];
+    jacobian(s, v, j);
     // The rotation nearest to the derivative.
     const double x = j[0] + j[3], y = j[2] - j[1], l = std::hypot(x, y);
     return l > 0 ? Vec2f(float(x / l), float(y / l)) : Vec2f(1, 0);
@@ -171,39 +194,59 @@ ExemplarMap exemplarMap(const Synthesis& s) {
     map.cornerCoords.resize(corners);
     map.gradientX.resize(corners);
     map.gradientY.resize(corners);
+    // Gradients per vertex, of what its own patch shows.
+    std::vector<Vec3f> gradient[2];
+    for (std::vector<Vec3f>& g : gradient) {
+        g.resize(s.graph.size());
+    }
+    parallelFor(s.graph.size(), 4096, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t v = begin; v < end; ++v) {
+            double j[4];
+            jacobian(s, v, j);
+            const Vec3d n(s.graph.normals[v]), x(s.directions[v]), y = cross(n, x);
+            gradient[0][v] = Vec3f((x * j[0] + y * j[1]) * s.mmPerUnit);
+            gradient[1][v] = Vec3f((x * j[2] + y * j[3]) * s.mmPerUnit);
+        }
+    });
     parallelFor(s.graph.triangles.size(), 4096, [&](std::size_t begin, std::size_t end) {
         for (std::size_t t = begin; t < end; ++t) {
             const Vec3i& tri = s.graph.triangles[t];
             const int lead = leadingCorner(s, tri);
             const std::size_t l = std::size_t(tri[lead]);
-            const int chart = s.cover.chart[std::size_t(s.labels.entry[l])];
-            const Vec2f offset = s.labels.offset[l];
             // Whole tiles are taken off per triangle: float then keeps its digits for the place within the tile.
-            const Vec2f at = s.labels.coord(s.cover, l);
-            const Vec2f whole{float(std::floor(double(at.x) / map.tileMm.x) * map.tileMm.x),
-                              float(std::floor(double(at.y) / map.tileMm.y) * map.tileMm.y)};
+            const Vec2f at = s.coords.coord[l];
+            const Vec2f base{float(double(at.x) - std::floor(double(at.x) / map.tileMm.x) * map.tileMm.x),
+                             float(double(at.y) - std::floor(double(at.y) / map.tileMm.y) * map.tileMm.y)};
+            const Vec3d n(s.graph.normals[l]);
+            Vec2f* const coords = &map.cornerCoords[3 * t];
+            const auto byGradient = [&](int c) {
+                const Vec3d e = Vec3d(s.graph.points[std::size_t(tri[c])]) - Vec3d(s.graph.points[l]);
+                const Vec3d flat = e - n * dot(e, n);
+                coords[c] = base + Vec2f(float(dot(Vec3d(gradient[0][l]), flat)),
+                                         float(dot(Vec3d(gradient[1][l]), flat)));
+            };
             for (int c = 0; c < 3; ++c) {
-                const std::size_t v = std::size_t(tri[c]), i = 3 * t + std::size_t(c);
-                const int e = s.cover.entryAt(tri[c], chart);
-                double j[4] = {1, 0, 0, 1};
-                std::size_t frame = v;
-                if (e >= 0) {
-                    map.cornerCoords[i] = s.cover.coord[std::size_t(e)] + offset - whole;
-                    jacobian(s, v, chart, s.cover.coord[std::size_t(e)], j);
+                const int k = c == lead ? -1 : linkOf(s.graph, int(l), tri[c]);
+                const bool own = c == lead || (k >= 0 && !s.coords.broken[std::size_t(k)]);
+                if (c == lead) {
+                    coords[c] = base;
+                } else if (own) {
+                    coords[c] = base + s.coords.delta[std::size_t(k)];
                 } else {
-                    // By the gradient at the corner that leads.
-                    jacobian(s, l, chart, s.cover.coord[std::size_t(s.labels.entry[l])], j);
-                    frame = l;
-                    Vec2f step{0, 0};
-                    for (int k = s.graph.first[l]; k < s.graph.first[l + 1]; ++k) {
-                        step = s.graph.neighbour[std::size_t(k)] == tri[c] ? s.steps.stepMm[std::size_t(k)] : step;
-                    }
-                    map.cornerCoords[i] = at - whole + Vec2f(float(j[0]) * step.x + float(j[1]) * step.y,
-                                                             float(j[2]) * step.x + float(j[3]) * step.y);
+                    byGradient(c);
                 }
-                const Vec3d n(s.graph.normals[frame]), x(s.directions[frame]), y = cross(n, x);
-                map.gradientX[i] = Vec3f((x * j[0] + y * j[1]) * s.mmPerUnit);
-                map.gradientY[i] = Vec3f((x * j[2] + y * j[3]) * s.mmPerUnit);
+                const std::size_t from = own ? std::size_t(tri[c]) : l;
+                const Vec3d to(s.graph.normals[std::size_t(tri[c])]);
+                for (int axis = 0; axis < 2; ++axis) {
+                    const Vec3d v(gradient[axis][from]);
+                    const Vec3d carried = own ? v : carryTangent(v, n, to);
+                    (axis == 0 ? map.gradientX : map.gradientY)[3 * t + std::size_t(c)] = Vec3f(carried);
+                }
+            }
+            if (!(signedArea(coords[0], coords[1], coords[2]) > 0)) {
+                for (int c = 0; c < 3; ++c) {
+                    byGradient(c);
+                }
             }
         }
     });

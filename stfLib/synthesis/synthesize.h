@@ -3,7 +3,7 @@
 
 #include "stfLib/surface/direction_field.h"
 #include "stfLib/synthesis/exemplar_map.h"
-#include "stfLib/synthesis/patch_labels.h"
+#include "stfLib/synthesis/heal_breaks.h"
 
 namespace stf {
 
@@ -23,6 +23,7 @@ struct Synthesis {
     SurfaceSteps steps;
     ChartCover cover;
     PatchLabels labels;
+    SurfaceCoords coords;
     double mmPerUnit = 1;
     double patchMm = 0;
     /// Seconds of the stages, in order.
@@ -44,8 +45,8 @@ Synthesis synthesize(const RefinedSurface& surface, const BaseVolume& volume, do
 /// the field.
 Vec2f patchTurn(const Synthesis& synthesis, std::size_t v);
 
-/// Coordinates and gradients per triangle corner: every triangle belongs to one patch, whose coordinates are continued
-/// to the corners that belong to another.
+/// Coordinates and gradients per triangle corner. A triangle across a seam belongs to the patch of one of its corners,
+/// whose coordinates are continued to the others.
 ExemplarMap exemplarMap(const Synthesis& synthesis);
 
 } // namespace stf
