@@ -2,8 +2,8 @@
 #include "stfLib/surface/direction_field.h"
 
 #include "stfLib/base/parallel.h"
+#include "stfLib/surface/connection_energy.h"
 
-#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <complex>
 
@@ -13,9 +13,6 @@ namespace {
 
 using Complex = std::complex<double>;
 constexpr double kPi = 3.14159265358979323846;
-constexpr std::size_t coarsest = 4000; ///< vertices of the level that is factored
-constexpr int inverseSteps = 60;       ///< of the inverse iteration
-constexpr int smoothingSweeps = 12;    ///< per finer level
 constexpr double guideWeight = 50;     ///< of an authored vector, in units of a vertex's own weight
 
 /// The unit vector of v's tangent plane that has the angle 0, and its left.
@@ -34,22 +31,8 @@ Complex transport(const SurfaceGraph& g, std::size_t i, std::size_t j) {
     return l > 0 ? r / l : Complex(1, 0);
 }
 
-/// One level: the energy sum over edges of w |z_j - r_ij z_i|^2 + sum of d |z_i - b_i / d|^2.
-struct Level {
-    std::vector<int> first, neighbour;
-    std::vector<std::complex<float>> link; ///< at (i, j): w times the rotation from j to i
-    std::vector<double> diagonal;          ///< sum of w, and of the guide
-    std::vector<double> mass;              ///< area
-    std::vector<Complex> wanted;           ///< b; empty: no guide
-    // How this level's vertices became those of the next.
-    std::vector<int> parent;
-    std::vector<Complex> fromParent; ///< rotation
-
-    std::size_t size() const { return diagonal.size(); }
-};
-
-Level finest(const SurfaceGraph& g, const std::vector<Vec3f>& guide) {
-    Level l;
+ConnectionEnergy energyOf(const SurfaceGraph& g, const std::vector<Vec3f>& guide) {
+    ConnectionEnergy l;
     l.first = g.first;
     l.neighbour = g.neighbour;
     l.link.assign(g.neighbour.size(), {});
@@ -103,188 +86,6 @@ Level finest(const SurfaceGraph& g, const std::vector<Vec3f>& guide) {
     return l;
 }
 
-/// Merges pairs of vertices along their strongest links and restricts the energy to fields that are constant, but for
-/// the rotation between them, on each pair.
-Level coarser(Level& l) {
-    const std::size_t n = l.size();
-    l.parent.assign(n, -1);
-    l.fromParent.assign(n, Complex(1, 0));
-    int count = 0;
-    for (std::size_t i = 0; i < n; ++i) {
-        if (l.parent[i] >= 0) {
-            continue;
-        }
-        int best = -1;
-        float strongest = 0;
-        for (int k = l.first[i]; k < l.first[i + 1]; ++k) {
-            const std::size_t j = std::size_t(l.neighbour[std::size_t(k)]);
-            // Relative to both masses, so that no cluster outgrows the others.
-            const float s = std::abs(l.link[std::size_t(k)]) / float(l.mass[i] + l.mass[j]);
-            if (l.parent[j] < 0 && s > strongest) {
-                strongest = s;
-                best = k;
-            }
-        }
-        l.parent[i] = count;
-        if (best >= 0) {
-            const std::size_t j = std::size_t(l.neighbour[std::size_t(best)]);
-            l.parent[j] = count;
-            const Complex r = std::conj(Complex(l.link[std::size_t(best)])); // from i to j
-            l.fromParent[j] = r / std::abs(r);
-        }
-        ++count;
-    }
-    std::vector<int> members(2 * std::size_t(count), -1);
-    for (std::size_t i = 0; i < n; ++i) {
-        int* m = &members[2 * std::size_t(l.parent[i])];
-        m[m[0] >= 0] = int(i);
-    }
-    Level c;
-    c.diagonal.assign(std::size_t(count), 0);
-    c.mass.assign(std::size_t(count), 0);
-    if (!l.wanted.empty()) {
-        c.wanted.assign(std::size_t(count), 0.0);
-    }
-    c.first.assign(std::size_t(count) + 1, 0);
-    std::vector<std::pair<int, Complex>> row;
-    for (int p = 0; p < count; ++p) {
-        row.clear();
-        for (int m = 0; m < 2; ++m) {
-            const int member = members[2 * std::size_t(p) + std::size_t(m)];
-            if (member < 0) {
-                continue;
-            }
-            const std::size_t i = std::size_t(member);
-            c.diagonal[std::size_t(p)] += l.diagonal[i];
-            c.mass[std::size_t(p)] += l.mass[i];
-            if (!l.wanted.empty()) {
-                c.wanted[std::size_t(p)] += std::conj(l.fromParent[i]) * l.wanted[i];
-            }
-            for (int k = l.first[i]; k < l.first[i + 1]; ++k) {
-                const std::size_t j = std::size_t(l.neighbour[std::size_t(k)]);
-                const Complex w = std::conj(l.fromParent[i]) * Complex(l.link[std::size_t(k)]) * l.fromParent[j];
-                if (l.parent[j] == p) {
-                    c.diagonal[std::size_t(p)] -= w.real();
-                } else {
-                    row.push_back({l.parent[j], w});
-                }
-            }
-        }
-        std::sort(row.begin(), row.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-        for (std::size_t k = 0; k < row.size(); ++k) {
-            if (k > 0 && row[k].first == row[k - 1].first) {
-                c.link.back() += std::complex<float>(row[k].second);
-            } else {
-                c.neighbour.push_back(row[k].first);
-                c.link.push_back(std::complex<float>(row[k].second));
-            }
-        }
-        c.first[std::size_t(p) + 1] = int(c.neighbour.size());
-    }
-    return c;
-}
-
-/// Components of a level: each has its own smallest eigenvector.
-std::vector<int> components(const Level& l, int& count) {
-    std::vector<int> of(l.size(), -1), stack;
-    count = 0;
-    for (std::size_t s = 0; s < l.size(); ++s) {
-        if (of[s] >= 0) {
-            continue;
-        }
-        of[s] = count;
-        stack.push_back(int(s));
-        while (!stack.empty()) {
-            const std::size_t i = std::size_t(stack.back());
-            stack.pop_back();
-            for (int k = l.first[i]; k < l.first[i + 1]; ++k) {
-                const std::size_t j = std::size_t(l.neighbour[std::size_t(k)]);
-                if (of[j] < 0) {
-                    of[j] = count;
-                    stack.push_back(int(j));
-                }
-            }
-        }
-        ++count;
-    }
-    return of;
-}
-
-std::vector<Complex> solveCoarsest(const Level& l) {
-    const int n = int(l.size());
-    std::vector<Eigen::Triplet<Complex>> entries;
-    entries.reserve(l.neighbour.size() + l.size());
-    double mass = 0, diagonal = 0;
-    for (std::size_t i = 0; i < l.size(); ++i) {
-        mass += l.mass[i];
-        diagonal += l.diagonal[i];
-    }
-    // A little more than the energy keeps the factor definite on flat surfaces, where the smallest eigenvalue is 0.
-    const double shift = 1e-9 * diagonal / mass;
-    for (int i = 0; i < n; ++i) {
-        const std::size_t s = std::size_t(i);
-        entries.push_back({i, i, l.diagonal[s] + shift * l.mass[s] + 1e-12 * diagonal / n});
-        for (int k = l.first[s]; k < l.first[s + 1]; ++k) {
-            entries.push_back({i, l.neighbour[std::size_t(k)], -Complex(l.link[std::size_t(k)])});
-        }
-    }
-    Eigen::SparseMatrix<Complex> matrix(n, n);
-    matrix.setFromTriplets(entries.begin(), entries.end());
-    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<Complex>> factor(matrix);
-    if (factor.info() != Eigen::Success) {
-        throw Error("the direction field has no solution: the surface's triangles are degenerate");
-    }
-    Eigen::VectorXcd z(n);
-    if (!l.wanted.empty()) {
-        for (int i = 0; i < n; ++i) {
-            z[i] = l.wanted[std::size_t(i)];
-        }
-        z = factor.solve(z);
-    } else {
-        int count = 0;
-        const std::vector<int> part = components(l, count);
-        for (int i = 0; i < n; ++i) {
-            // Any start that is not orthogonal to the answer.
-            z[i] = std::polar(1.0, 2.399963 * i);
-        }
-        std::vector<double> norm;
-        for (int step = 0; step < inverseSteps; ++step) {
-            for (int i = 0; i < n; ++i) {
-                z[i] *= l.mass[std::size_t(i)];
-            }
-            z = factor.solve(z);
-            norm.assign(std::size_t(count), 0);
-            for (int i = 0; i < n; ++i) {
-                norm[std::size_t(part[std::size_t(i)])] += l.mass[std::size_t(i)] * std::norm(z[i]);
-            }
-            for (int i = 0; i < n; ++i) {
-                z[i] /= std::sqrt(std::max(1e-300, norm[std::size_t(part[std::size_t(i)])]));
-            }
-        }
-    }
-    std::vector<Complex> out(l.size());
-    for (int i = 0; i < n; ++i) {
-        out[std::size_t(i)] = z[i];
-    }
-    return out;
-}
-
-void smooth(const Level& l, std::vector<Complex>& z) {
-    std::vector<Complex> next(z.size());
-    for (int sweep = 0; sweep < smoothingSweeps; ++sweep) {
-        parallelFor(l.size(), 4096, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i) {
-                Complex sum = l.wanted.empty() ? Complex(0, 0) : l.wanted[i];
-                for (int k = l.first[i]; k < l.first[i + 1]; ++k) {
-                    sum += Complex(l.link[std::size_t(k)]) * z[std::size_t(l.neighbour[std::size_t(k)])];
-                }
-                next[i] = l.diagonal[i] > 0 ? 0.3 * z[i] + 0.7 * sum / l.diagonal[i] : z[i];
-            }
-        });
-        z.swap(next);
-    }
-}
-
 } // namespace
 
 Vec3d carryTangent(const Vec3d& direction, const Vec3d& from, const Vec3d& to) {
@@ -301,27 +102,7 @@ std::vector<Vec3f> smoothDirections(const SurfaceGraph& graph, const std::vector
     if (!guide.empty() && guide.size() != graph.size()) {
         throw Error("the tangent field does not have one vector per vertex");
     }
-    progress.update("direction field", 0);
-    std::vector<Level> levels{finest(graph, guide)};
-    while (levels.back().size() > coarsest) {
-        Level next = coarser(levels.back());
-        if (next.size() > levels.back().size() * 9 / 10) {
-            levels.back().parent.clear();
-            break; // lone vertices do not merge
-        }
-        levels.push_back(std::move(next));
-        progress.update("direction field", 0.3);
-    }
-    std::vector<Complex> z = solveCoarsest(levels.back());
-    progress.update("direction field", 0.6);
-    for (std::size_t l = levels.size() - 1; l-- > 0;) {
-        std::vector<Complex> fine(levels[l].size());
-        for (std::size_t i = 0; i < fine.size(); ++i) {
-            fine[i] = levels[l].fromParent[i] * z[std::size_t(levels[l].parent[i])];
-        }
-        z = std::move(fine);
-        smooth(levels[l], z);
-    }
+    const std::vector<Complex> z = minimize(energyOf(graph, guide), "direction field", progress);
     std::vector<Vec3f> directions(graph.size());
     for (std::size_t i = 0; i < graph.size(); ++i) {
         Vec3d x, y;
@@ -330,7 +111,6 @@ std::vector<Vec3f> smoothDirections(const SurfaceGraph& graph, const std::vector
         const Complex u = l > 0 && std::isfinite(l) ? z[i] / l : Complex(1, 0);
         directions[i] = Vec3f(x * u.real() + y * u.imag());
     }
-    progress.update("direction field", 1);
     return directions;
 }
 

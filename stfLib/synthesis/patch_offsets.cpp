@@ -48,6 +48,8 @@ public:
         // zero (a sample that repeats itself), a hundredth of a step of lightness is a mismatch.
         const double own = std::min(ex.ownError, kVisible);
         own2_ = float(std::max(own * own, 1e-4));
+        // And where every seam is seen, repetition is the lesser evil.
+        variety_ = float(std::pow(kVisible / std::max(ex.ownError, kVisible), 4));
         findCores();
     }
 
@@ -327,8 +329,8 @@ private:
         std::vector<float> other(list.size());
         parallelFor(list.size(), 16, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
-                other[i] = float(options_.usage) * overuse(c, list[i].offset) +
-                           float(options_.repetition) * repeated(c, list[i].offset, near);
+                other[i] = variety_ * (float(options_.usage) * overuse(c, list[i].offset) +
+                           float(options_.repetition) * repeated(c, list[i].offset, near));
                 list[i].cost = mismatch(few, list[i].offset, coarse) + other[i];
             }
         });
@@ -367,7 +369,7 @@ private:
     std::vector<float> usage_;
     double used_ = 0;
     Vec2f tile_;
-    float own2_;
+    float own2_, variety_; ///< square of a seam's unit; 0 to 1, how many places are alike
 };
 
 } // namespace

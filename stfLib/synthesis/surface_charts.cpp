@@ -3,6 +3,7 @@
 
 #include "stfLib/base/parallel.h"
 #include "stfLib/base/random.h"
+#include "stfLib/surface/connection_energy.h"
 #include "stfLib/surface/direction_field.h"
 
 #include <algorithm>
@@ -122,7 +123,7 @@ private:
         for (int k = g_.first[std::size_t(v)]; k < g_.first[std::size_t(v) + 1]; ++k) {
             const int s = slot_[std::size_t(g_.neighbour[std::size_t(k)])];
             if (s >= 0 &&
-                norm(foreseen(out, s, k, angle) - coord) > kDisagreement * norm(steps_.stepMm[std::size_t(k)])) {
+                norm(foreseen(out, s, k, angle) - coord) > kDisagreement * norm(steps_.wantedMm[std::size_t(k)])) {
                 return false;
             }
         }
@@ -131,7 +132,7 @@ private:
 
     /// Where the neighbour in slot s, reached over link k of a vertex of the given angle, puts that vertex.
     Vec2f foreseen(const Growth& out, int s, int k, float angle) const {
-        const Vec2f& step = steps_.stepMm[std::size_t(k)];
+        const Vec2f& step = steps_.wantedMm[std::size_t(k)];
         const float other = out.angle[std::size_t(s)];
         if (angle == 0 && other == 0) {
             return out.coords[std::size_t(s)] - step;
@@ -349,7 +350,73 @@ SurfaceSteps surfaceSteps(const SurfaceGraph& g, const std::vector<Vec3f>& direc
             }
         }
     });
+    s.wantedMm = s.stepMm;
     return s;
+}
+
+std::vector<float> scaleSteps(const SurfaceGraph& g, double rangeMm, double largest, double mmPerUnit,
+                              SurfaceSteps& steps, Progress& progress) {
+    // With the turning p X + q Y of the field (X, Y), exp(s) X and exp(s) Y are gradients where ds = -q X + p Y.
+    std::vector<Vec2f> slope(g.size());
+    parallelFor(g.size(), 4096, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t v = begin; v < end; ++v) {
+            double m[3] = {0, 0, 0}, r[2] = {0, 0};
+            for (int k = g.first[v]; k < g.first[v + 1]; ++k) {
+                const Vec2f e = steps.stepMm[std::size_t(k)];
+                const double turn = double(steps.turn[std::size_t(k)]);
+                m[0] += double(e.x * e.x);
+                m[1] += double(e.x * e.y);
+                m[2] += double(e.y * e.y);
+                r[0] += double(e.x) * turn;
+                r[1] += double(e.y) * turn;
+            }
+            const double det = m[0] * m[2] - m[1] * m[1];
+            if (det > 1e-3 * (m[0] + m[2]) * (m[0] + m[2])) {
+                const double p = (r[0] * m[2] - r[1] * m[1]) / det, q = (r[1] * m[0] - r[0] * m[1]) / det;
+                slope[v] = {float(-q), float(p)};
+            }
+        }
+    });
+    ConnectionEnergy energy;
+    energy.first = g.first;
+    energy.neighbour = g.neighbour;
+    energy.link.assign(g.neighbour.size(), {1, 0});
+    energy.diagonal.resize(g.size());
+    energy.mass.resize(g.size());
+    energy.wanted.resize(g.size());
+    for (std::size_t v = 0; v < g.size(); ++v) {
+        const double area = std::max(1e-300, double(g.area[v]));
+        double sum = 0;
+        for (int k = g.first[v]; k < g.first[v + 1]; ++k) {
+            const Vec2f e = steps.stepMm[std::size_t(k)],
+                        s = (slope[v] + slope[std::size_t(g.neighbour[std::size_t(k)])]) * 0.5f;
+            // At singularities the field turns without bound.
+            const double d = double(e.x * s.x + e.y * s.y);
+            sum -= std::clamp(d, -0.2, 0.2);
+        }
+        const double links = g.first[v + 1] - g.first[v];
+        // Per link about a sixth of two areas' worth of gradient: the potential fades over the range.
+        const double pull = 1.7 * area * mmPerUnit * mmPerUnit / (rangeMm * rangeMm);
+        energy.diagonal[v] = links + pull + 1e-9;
+        energy.mass[v] = area;
+        energy.wanted[v] = sum;
+    }
+    const std::vector<std::complex<double>> z = minimize(std::move(energy), "scale", progress);
+    std::vector<float> factor(g.size());
+    const double most = std::log(largest);
+    for (std::size_t v = 0; v < g.size(); ++v) {
+        factor[v] = float(std::exp(most * std::tanh(z[v].real() / most)));
+    }
+    parallelFor(g.size(), 4096, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t v = begin; v < end; ++v) {
+            for (int k = g.first[v]; k < g.first[v + 1]; ++k) {
+                steps.wantedMm[std::size_t(k)] =
+                    steps.stepMm[std::size_t(k)] *
+                    (0.5f * (factor[v] + factor[std::size_t(g.neighbour[std::size_t(k)])]));
+            }
+        }
+    });
+    return factor;
 }
 
 ChartCover coverByCharts(const SurfaceGraph& g, const SurfaceSteps& steps, const std::vector<char>& singular,

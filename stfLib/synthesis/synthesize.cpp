@@ -20,6 +20,8 @@ constexpr double kPatchShare = 0.6; ///< of the tile's shorter side, between the
 constexpr double kLeastPatch = 24;  ///< texels: smaller patches would be mostly seam
 /// Longest edge in texels. Halves of right-angled triangles then have about one vertex per texel.
 constexpr double kEdgeTexels = 1.75;
+constexpr double kLargestScale = 1.35;     ///< of the sample, up and down, so that patches fit together
+constexpr double kScaleRange = 3;          ///< over how many patches the scale goes back to 1
 constexpr std::size_t kLeastFragment = 24; ///< vertices: less is no patch but a flaw of one
 constexpr double kHealedTexels = 8;        ///< breaks up to here are made up for by stretching
 
@@ -154,6 +156,8 @@ Synthesis synthesize(const RefinedSurface& surface, const BaseVolume& volume, do
     charts.spacingMm =
         options.patchMm > 0 ? options.patchMm : std::max(kPatchShare * std::min(tile.x, tile.y), kLeastPatch * texel);
     s.patchMm = charts.spacingMm;
+    scaleSteps(s.graph, kScaleRange * charts.spacingMm, kLargestScale, mmPerUnit, s.steps, progress);
+    times.done("scale");
     s.cover = coverByCharts(s.graph, s.steps, singular, charts, progress);
     times.done("charts");
 
@@ -168,8 +172,8 @@ Synthesis synthesize(const RefinedSurface& surface, const BaseVolume& volume, do
     correctByCoherence(s.graph, s.steps, s.cover, s.exemplar, coherence, s.labels, progress);
     absorbFragments(s.graph, s.cover, kLeastFragment, s.labels);
     times.done("coherence");
-    // A twelfth of the tile: more is another place.
-    const double healed = std::min(kHealedTexels, std::min(s.exemplar.width, s.exemplar.height) / 12.0);
+    // An eighth of the tile: more is another place.
+    const double healed = std::min(kHealedTexels, std::min(s.exemplar.width, s.exemplar.height) / 8.0);
     s.coords = healBreaks(s.graph, s.steps, s.cover, s.exemplar, s.labels, std::max(1.0, healed), progress);
     times.done("healing");
     return s;
