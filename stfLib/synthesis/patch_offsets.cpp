@@ -3,6 +3,7 @@
 
 #include "stfLib/base/parallel.h"
 #include "stfLib/base/random.h"
+#include "stfLib/synthesis/patch_labels.h"
 
 #include <algorithm>
 #include <cmath>
@@ -237,6 +238,26 @@ private:
         }
         for (const auto& m : mean) {
             out.push_back({m.second.first * (1 / m.second.second)});
+        }
+        // All neighbours at once, near what the chart shows now: drift is spread instead of piling up where fronts meet.
+        if (chosen_[std::size_t(c)] && !constraints.empty()) {
+            Vec2f sum{0, 0};
+            float weight = 0;
+            for (const Constraint& k : constraints) {
+                const Vec2f d = nearestImage(k.wanted - k.own - offset_[std::size_t(c)], ex_.tileMm());
+                const float w = k.weight * std::exp(-(d.x * d.x + d.y * d.y) / (0.02f * tile_.x * tile_.y));
+                sum = sum + d * w;
+                weight += w;
+            }
+            if (weight > 0) {
+                for (float share : {1.0f, 1.6f, 0.5f}) {
+                    out.push_back({offset_[std::size_t(c)] + sum * (share / weight)});
+                }
+            }
+            for (int i = 0; i < 12; ++i) {
+                const float u = rng.uniform() - 0.5f, v = rng.uniform() - 0.5f;
+                out.push_back({offset_[std::size_t(c)] + Vec2f(u * tile_.x, v * tile_.y) * 0.1f});
+            }
         }
         // What is alike, in detail and in structure.
         const Vec2f texel{float(ex_.texelMm.x), float(ex_.texelMm.y)};
