@@ -59,3 +59,13 @@ endforeach()
 
 # Readers of meshes (layer acquire). Debian's config names a folder of headers that a package may not have.
 find_package(assimp 5 REQUIRED CONFIG)
+
+# Readers of scans. ITK's configuration prints pages about programs of other packages.
+find_package(ZLIB REQUIRED)
+set(CMAKE_MESSAGE_LOG_LEVEL WARNING)
+find_package(ITK 5 REQUIRED CONFIG
+    COMPONENTS ITKIOImageBase ITKIOGDCM ITKIOMeta ITKIONIFTI ITKIONRRD ITKIOTIFF)
+unset(CMAKE_MESSAGE_LOG_LEVEL)
+add_library(stf_itk INTERFACE)
+target_include_directories(stf_itk SYSTEM INTERFACE ${ITK_INCLUDE_DIRS})
+target_link_libraries(stf_itk INTERFACE ${ITK_LIBRARIES})

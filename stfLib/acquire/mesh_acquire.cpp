@@ -308,7 +308,7 @@ private:
 
     void fill(const CoverBody& body, const std::vector<CoverObject>& objects) {
         BaseVolume& v = result_.volume;
-        if (slots_.empty()) {
+        if (std::all_of(slots_.begin(), slots_.end(), [](const Material& m) { return m.isVoid(); })) {
             throw Error("there is no material: neither a matrix nor a mesh that is not a void");
         }
         TileCover cover = coverTile(body, objects, grid_, int(slots_.size()), progress_);

@@ -110,6 +110,75 @@ MeshColumns::MeshColumns(MendedMesh mesh, const TileGrid& grid, double maxBytes)
     }
 }
 
+void MeshColumns::capWinding(int u, int v, const std::vector<int>& depths, double* out) const {
+    std::vector<Crossing> all;
+    crossings(wrap(u, grid_.size.x), wrap(v, grid_.size.y), {{0, 0}}, all);
+    for (const int z : depths) {
+        const Vec3d at = Vec3d(double(u), double(v), double(z)) * grid_.voxelMm;
+        int winding = 0;
+        for (const Crossing& c : all) {
+            const bool here = c.imageX == floorDivide(u, grid_.size.x) && c.imageY == floorDivide(v, grid_.size.y);
+            winding += here && c.depth < at.z ? c.turn : 0;
+        }
+        *out++ = winding - tree_->windingNumber(at);
+    }
+}
+
+std::vector<char> MeshColumns::cornersToAsk(std::vector<int>& corner, const Vec3i& n) const {
+    // Away from the caps their winding number is harmonic: blocks at whose corners it rounds to one number, well within
+    // it, need not be asked in between.
+    constexpr int kBlock = 4;
+    constexpr double kMargin = 0.2;
+    const Vec3i blocks((n.x + kBlock - 2) / kBlock, (n.y + kBlock - 2) / kBlock, (n.z + kBlock - 2) / kBlock);
+    const auto node = [&](int block, int limit) { return std::min(block * kBlock, limit - 1); };
+    std::vector<int> depths;
+    for (int z = 0; z <= blocks.z; ++z) {
+        depths.push_back(patchFrom_.z + node(z, n.z));
+    }
+    std::vector<double> coarse(std::size_t(blocks.x + 1) * std::size_t(blocks.y + 1) * depths.size());
+    const std::size_t row = std::size_t(blocks.x + 1);
+    parallelFor(row * std::size_t(blocks.y + 1), 4, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            capWinding(patchFrom_.x + node(int(i % row), n.x), patchFrom_.y + node(int(i / row), n.y), depths,
+                       coarse.data() + i * depths.size());
+        }
+    });
+    std::vector<char> ask(corner.size(), 0);
+    const std::size_t nx = std::size_t(n.x), ny = std::size_t(n.y);
+    const double reach = 0.5 * (kBlock + 1) * length(grid_.voxelMm);
+    for (int z = 0; z < blocks.z; ++z) {
+        for (int y = 0; y < blocks.y; ++y) {
+            for (int x = 0; x < blocks.x; ++x) {
+                double lo = 1e300, hi = -1e300;
+                for (int k = 0; k < 8; ++k) {
+                    const std::size_t at = std::size_t(x + (k & 1)) + row * std::size_t(y + (k >> 1 & 1));
+                    const double c = coarse[at * depths.size() + std::size_t(z + (k >> 2))];
+                    lo = std::min(lo, c);
+                    hi = std::max(hi, c);
+                }
+                const Vec3d middle =
+                    (Vec3d(patchFrom_ + Vec3i(x, y, z) * kBlock) + Vec3d(0.5 * kBlock)) * grid_.voxelMm;
+                const double level = std::floor(0.5 + lo);
+                const bool settled =
+                    lo - level > kMargin - 0.5 && hi - level < 0.5 - kMargin && caps_->distance(middle, reach) >= reach;
+                for (int k = node(z, n.z); k <= node(z + 1, n.z); ++k) {
+                    for (int j = node(y, n.y); j <= node(y + 1, n.y); ++j) {
+                        for (int i = node(x, n.x); i <= node(x + 1, n.x); ++i) {
+                            const std::size_t c = std::size_t(i) + nx * (std::size_t(j) + ny * std::size_t(k));
+                            if (settled) {
+                                corner[c] = int(level) + 1;
+                            } else {
+                                ask[c] = 1;
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+    return ask;
+}
+
 void MeshColumns::preparePatches() {
     const Vec3d h = grid_.voxelMm;
     Vec3i to;
@@ -120,19 +189,36 @@ void MeshColumns::preparePatches() {
     patchFrom_.z = std::clamp(patchFrom_.z, 0, grid_.size.z);
     to.z = std::clamp(to.z, patchFrom_.z, grid_.size.z);
     patchSize_ = to - patchFrom_;
+    if (patchSize_.z == 0) {
+        return; // wholly above or below the tile
+    }
     const Vec3d n = Vec3d(patchSize_) + Vec3d(1.0);
     if (n.x * n.y * n.z > 2.7e8) {
         throw Error("has holes and is too large to find out what is inside (" + std::to_string(patchSize_.x) + " x " +
                     std::to_string(patchSize_.y) + " x " + std::to_string(patchSize_.z) + " voxels around it)");
     }
     const std::size_t nx = std::size_t(n.x), ny = std::size_t(n.y);
-    // Winding number of the caps at the corners of voxels: where it rounds to the same number all around a voxel that
-    // no cap passes through, that is the number for all of it.
+    // Winding number of the caps at the corners of voxels, as that of both less that of the mesh (the long triangles of
+    // fans would be slow): where it rounds to the same number all around a voxel that no cap passes through, that is
+    // the number for all of it.
+    tree_ = std::make_unique<TriangleTree>(mended_.mesh);
     std::vector<int> corner(nx * ny * std::size_t(n.z));
-    parallelFor(corner.size(), nx, [&](std::size_t begin, std::size_t end) {
+    const std::vector<char> ask = cornersToAsk(corner, patchSize_ + Vec3i(1));
+    parallelFor(nx * ny, 16, [&](std::size_t begin, std::size_t end) {
+        std::vector<int> depths;
+        std::vector<double> caps;
         for (std::size_t i = begin; i < end; ++i) {
-            const Vec3d at = Vec3d(patchFrom_) + Vec3d(double(i % nx), double(i / nx % ny), double(i / nx / ny));
-            corner[i] = int(std::floor(0.5 + caps_->windingNumber(at * h))) + 1;
+            depths.clear();
+            for (std::size_t z = 0; z < std::size_t(n.z); ++z) {
+                if (ask[i + nx * ny * z]) {
+                    depths.push_back(patchFrom_.z + int(z));
+                }
+            }
+            caps.resize(depths.size());
+            capWinding(patchFrom_.x + int(i % nx), patchFrom_.y + int(i / nx), depths, caps.data());
+            for (std::size_t k = 0; k < depths.size(); ++k) {
+                corner[i + nx * ny * std::size_t(depths[k] - patchFrom_.z)] = int(std::floor(0.5 + caps[k])) + 1;
+            }
         }
     });
     threshold_.assign(std::size_t(patchSize_.x) * std::size_t(patchSize_.y) * std::size_t(patchSize_.z), kMixed);
@@ -151,6 +237,33 @@ void MeshColumns::preparePatches() {
             if (same && caps_->distance(middle, reach) >= reach) {
                 threshold_[i] = value;
             }
+        }
+    });
+    // The caps are where they are by choice: what they add to one number and take from the other is smooth but for the
+    // mesh itself, and is interpolated where that is not near.
+    const auto middleOf = [&](std::size_t i) {
+        return Vec3d(patchFrom_) + Vec3d(double(i % std::size_t(patchSize_.x)) + 0.5,
+                                         double(i / std::size_t(patchSize_.x) % std::size_t(patchSize_.y)) + 0.5,
+                                         double(i / std::size_t(patchSize_.x) / std::size_t(patchSize_.y)) + 0.5);
+    };
+    std::vector<std::size_t> mixed;
+    for (std::size_t i = 0; i < threshold_.size(); ++i) {
+        if (threshold_[i] == kMixed) {
+            mixed.push_back(i);
+        }
+    }
+    smooth_.resize(mixed.size());
+    parallelFor(mixed.size(), 64, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t m = begin; m < end; ++m) {
+            const Vec3d middle = middleOf(mixed[m]);
+            if (tree_->distance(middle * h, reach) < reach) {
+                continue;
+            }
+            for (int k = 0; k < 8; ++k) {
+                const Vec3d offset((k & 1) - 0.5, (k >> 1 & 1) - 0.5, (k >> 2) - 0.5);
+                smooth_[m][std::size_t(k)] = float(tree_->windingNumber((middle + offset) * h));
+            }
+            threshold_[mixed[m]] = kSmooth + int(m);
         }
     });
 }
@@ -260,7 +373,7 @@ void MeshColumns::insideOpen(int u, int v, const Vec2d& at, int line, const Cros
             winding += next++->turn;
         }
         const int limit = threshold(u, v, z);
-        if (limit != kMixed) {
+        if (limit < kMixed) {
             double from = top;
             int w = winding;
             for (const Crossing* c = next;; ++c) {
@@ -278,12 +391,17 @@ void MeshColumns::insideOpen(int u, int v, const Vec2d& at, int line, const Cros
             continue;
         }
         for (int k = 0; k < kSlices; ++k) {
-            const double middle = top + (k + 0.5) / kSlices * h.z;
-            int w = winding;
-            for (const Crossing* c = next; c != end && c->depth < middle; ++c) {
-                w += c->turn;
+            const double part = (k + 0.5) / kSlices, middle = top + part * h.z;
+            bool in = false;
+            if (limit >= kSmooth) {
+                const std::array<float, 8>& c = smooth_[std::size_t(limit - kSmooth)];
+                const auto mix = [](double a, double b, double t) { return a + (b - a) * t; };
+                in = mix(mix(mix(c[0], c[1], at.x), mix(c[2], c[3], at.x), at.y),
+                         mix(mix(c[4], c[5], at.x), mix(c[6], c[7], at.x), at.y), part) > 0.5;
+            } else {
+                in = tree_->windingNumber({x, y, middle}) > 0.5;
             }
-            if (w - caps_->windingNumber({x, y, middle}) > 0.5) {
+            if (in) {
                 add(top + double(k) / kSlices * h.z, top + double(k + 1) / kSlices * h.z);
             }
         }

@@ -4,6 +4,7 @@
 #include "stfLib/acquire/mesh_repair.h"
 #include "stfLib/acquire/mesh_tree.h"
 
+#include <array>
 #include <cstdint>
 #include <memory>
 
@@ -52,21 +53,27 @@ private:
     };
     void crossings(int x, int y, const std::vector<Vec2d>& lines, std::vector<Crossing>& out) const;
     void preparePatches();
-    /// Winding number from which on a voxel is inside, that of an open mesh; kMixed: not the same throughout it.
+    /// Winding number of the caps where the corners of voxels (u, v) are, at these depths in voxels.
+    void capWinding(int u, int v, const std::vector<int>& depths, double* out) const;
+    /// Sets the thresholds at those of n corners where blocks of voxels tell them; the others are to be asked.
+    std::vector<char> cornersToAsk(std::vector<int>& corner, const Vec3i& n) const;
+    /// Winding number from which on a voxel is inside, that of an open mesh; kMixed: not the same throughout it;
+    /// kSmooth + i: no triangle of the mesh is near, smooth_[i] are generalised winding numbers at its corners.
     int threshold(int unwrappedX, int unwrappedY, int z) const;
     void insideOpen(int unwrappedX, int unwrappedY, const Vec2d& at, int line, const Crossing* begin,
                     const Crossing* end, std::vector<Stretch>& out) const;
 
-    static constexpr int kMixed = 1 << 20;
+    static constexpr int kMixed = 1 << 20, kSmooth = kMixed + 1;
     MendedMesh mended_;
     TriangleMesh closed_; ///< mesh and caps
     TileGrid grid_;
     Box3d box_;
     std::vector<std::size_t> start_; ///< of each column in items_
     std::vector<Item> items_;
-    std::unique_ptr<TriangleTree> caps_;
-    Vec3i patchFrom_, patchSize_{0, 0, 0}; ///< unwrapped voxels around an open mesh
+    std::unique_ptr<TriangleTree> caps_, tree_; ///< of an open mesh
+    Vec3i patchFrom_, patchSize_{0, 0, 0};      ///< unwrapped voxels around an open mesh
     std::vector<int> threshold_;
+    std::vector<std::array<float, 8>> smooth_;
 };
 
 } // namespace stf

@@ -47,7 +47,7 @@ class PeriodicTree {
 public:
     PeriodicTree(const TriangleMesh& mesh, const TileGrid& grid)
         : tree_(mesh), box_(boundsOf(mesh)), extent_(grid.extentMm()) {}
-    double distance(const Vec3d& p, double bound) const {
+    double distance(const Vec3d& p, double bound, std::size_t& hint) const {
         if (tree_.empty()) {
             return bound;
         }
@@ -55,7 +55,7 @@ public:
         const Vec3d middle = box_.middle();
         const int nearX = int(std::round((middle.x - p.x) / extent_.x)),
                   nearY = int(std::round((middle.y - p.y) / extent_.y));
-        best = tree_.distance(shifted(p, nearX, nearY), best);
+        best = tree_.distance(shifted(p, nearX, nearY), best, hint);
         const int x0 = int(std::ceil((box_.lo.x - best - p.x) / extent_.x)),
                   x1 = int(std::floor((box_.hi.x + best - p.x) / extent_.x));
         const int y0 = int(std::ceil((box_.lo.y - best - p.y) / extent_.y)),
@@ -64,7 +64,7 @@ public:
             for (int x = x0; x <= x1; ++x) {
                 const Vec3d q = shifted(p, x, y);
                 if ((x != nearX || y != nearY) && box_.distance(q) < best) {
-                    best = tree_.distance(q, best);
+                    best = tree_.distance(q, best, hint);
                 }
             }
         }
@@ -103,6 +103,34 @@ private:
     Vec3d extent_;
 };
 
+/// Where a hole lets the outside in, no triangle is near: there the distance is that to the level 1/2. Only beside a
+/// change of sign is the first order good for anything, and needed.
+void mendHoles(const PeriodicTree& tree, const TileGrid& grid, std::vector<float>& distance) {
+    const std::vector<float> before = distance;
+    const Vec3i n = grid.size;
+    const auto at = [&](int x, int y, int z) {
+        return before[std::size_t((x + n.x) % n.x) +
+                      std::size_t(n.x) *
+                          (std::size_t((y + n.y) % n.y) + std::size_t(n.y) * std::size_t(std::clamp(z, 0, n.z - 1)))];
+    };
+    const double edge = minComponent(grid.voxelMm);
+    parallelFor(distance.size(), 256, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const int x = int(i % std::size_t(n.x)), y = int(i / std::size_t(n.x) % std::size_t(n.y)),
+                      z = int(i / std::size_t(n.x) / std::size_t(n.y));
+            const bool in = before[i] < 0;
+            bool beside = false;
+            for (int k = 0; k < 27 && !beside; ++k) {
+                beside = (at(x + k % 3 - 1, y + k / 3 % 3 - 1, z + k / 9 - 1) < 0) != in;
+            }
+            if (beside && std::abs(double(before[i])) > 0.25 * edge) {
+                const double level = tree.toLevel(Vec3d(x + 0.5, y + 0.5, z + 0.5) * grid.voxelMm, 0.25 * edge);
+                distance[i] = float(std::copysign(std::min(level, std::abs(double(before[i]))), double(before[i])));
+            }
+        }
+    });
+}
+
 /// Distances to a tree; inside(x, y, stretches) tells where the middle line of a column is inside.
 template<class Inside>
 std::vector<float> distances(const PeriodicTree& tree, bool open, const TileGrid& grid, Progress& progress,
@@ -111,7 +139,6 @@ std::vector<float> distances(const PeriodicTree& tree, bool open, const TileGrid
     const std::size_t columns = std::size_t(grid.size.x) * std::size_t(grid.size.y);
     // Where nothing is near in any repetition: further than the tile is large.
     const double far = 2 * length(grid.extentMm());
-    const double slice = 0.25 * minComponent(h), nearby = length(h);
     std::vector<float> result(columns * std::size_t(grid.size.z));
     std::atomic<std::size_t> done{0};
     parallelFor(columns, 64, [&](std::size_t begin, std::size_t end) {
@@ -121,16 +148,12 @@ std::vector<float> distances(const PeriodicTree& tree, bool open, const TileGrid
             stretches.clear();
             inside(x, y, stretches);
             double before = far;
+            std::size_t hint = 0;
             for (int z = 0; z < grid.size.z; ++z) {
                 const Vec3d p = Vec3d(x + 0.5, y + 0.5, z + 0.5) * h;
                 // The voxel above bounds it, which makes the search short.
-                double d = tree.distance(p, std::min(far, before + 1.001 * h.z));
+                double d = tree.distance(p, std::min(far, before + 1.001 * h.z), hint);
                 before = d;
-                if (open && d > 0.5 * minComponent(h)) {
-                    const double level = tree.toLevel(p, slice);
-                    // Only near the level is the first order good for anything.
-                    d = level < 2 * nearby ? std::min(d, level) : d;
-                }
                 const bool in = std::any_of(stretches.begin(), stretches.end(),
                                             [&](const Stretch& s) { return s.from <= p.z && p.z < s.to; });
                 result[c + columns * std::size_t(z)] = float(in ? -d : d);
@@ -138,6 +161,9 @@ std::vector<float> distances(const PeriodicTree& tree, bool open, const TileGrid
         }
         progress.update("distance", double(done += end - begin) / double(columns));
     });
+    if (open) {
+        mendHoles(tree, grid, result);
+    }
     return result;
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stfLib/acquire/mesh_reader.h"
 
+#include "stfLib/acquire/mesh_off.h"
+#include "stfLib/acquire/mesh_ply.h"
 #include "stfLib/base/error.h"
 
 #include <assimp/Importer.hpp>
@@ -87,6 +89,13 @@ std::vector<MeshPart> readMeshFile(const std::string& path, double maxBytes) {
     if (problem || bytes > maxBytes) {
         throw Error(path + ": is a file of " + std::to_string(std::int64_t(bytes / 1e6)) + " MB, at most " +
                     std::to_string(std::int64_t(maxBytes / 1e6)) + " MB are read");
+    }
+    // assimp's readers of these two do not see that a file is cut off, or never come back from it.
+    if (ending == ".ply" || ending == ".off") {
+        MeshPart part;
+        part.name = std::filesystem::path(path).stem().string();
+        part.mesh = ending == ".ply" ? readPly(path) : readOff(path);
+        return {part};
     }
     std::vector<MeshPart> parts;
     try {

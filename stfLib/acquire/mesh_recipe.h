@@ -32,9 +32,10 @@ struct MeshSource {
 };
 
 /// How a mesh stands in the tile: x and y along its sides, z outward, z = 0 its top; mm, degrees. Applied in this
-/// order: fit, scale, rotate about x, y, z, translate.
+/// order: scale, rotate about x, y, z, fit, translate.
 struct MeshPlacement {
-    bool fit = false; ///< first as large as the tile allows, in its middle
+    double fit =
+        0; ///< share of the tile that it fills along the axis that allows the least, in the middle; 0: as it is
     Vec3d scale{1, 1, 1}, rotateDegrees{0, 0, 0}, translateMm{0, 0, 0};
 };
 

@@ -7,9 +7,9 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr std::size_t kLeaf = 6;
-// A node further away than this many radii counts as its dipole; what is left is the next order, (1/2.5)^2 of a solid
+// A node further away than this many radii counts as its dipole; what is left is of the next order, a ninth of a solid
 // angle that is itself small. mesh_tree_test measures the error.
-constexpr double kFar = 2.5;
+constexpr double kFar = 3;
 
 /// Signed solid angle of a triangle from the origin (Van Oosterom and Strackee 1983).
 double solidAngle(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
@@ -108,29 +108,42 @@ void TriangleTree::build(std::size_t first, std::size_t count) {
     nodes_[self] = node;
 }
 
-double TriangleTree::distance(const Vec3d& p, double bound) const {
+double TriangleTree::distance(const Vec3d& p, double bound, std::size_t& hint) const {
     if (nodes_.empty()) {
         return bound;
     }
     double best = bound * bound;
-    std::size_t stack[64] = {0};
+    const auto look = [&](std::size_t i) {
+        const double d = squaredDistance(p, triangles_[i].a, triangles_[i].b, triangles_[i].c);
+        if (d < best) {
+            best = d;
+            hint = i;
+        }
+    };
+    look(hint);
+    struct Visit {
+        std::size_t node;
+        double squares; ///< of the distance to its box
+    };
+    Visit stack[64] = {{0, 0.0}};
     for (int top = 1; top > 0;) {
-        const std::size_t index = stack[--top];
-        const Node& node = nodes_[index];
-        const double away = node.box.distance(p);
-        if (away * away >= best) {
+        const Visit visit = stack[--top];
+        if (visit.squares >= best) {
             continue;
         }
+        const Node& node = nodes_[visit.node];
         if (!node.right) {
             for (std::size_t i = node.first; i < node.first + node.count; ++i) {
-                best = std::min(best, squaredDistance(p, triangles_[i].a, triangles_[i].b, triangles_[i].c));
+                look(i);
             }
             continue;
         }
+        const Visit left{visit.node + 1, nodes_[visit.node + 1].box.squaredDistance(p)};
+        const Visit right{node.right, nodes_[node.right].box.squaredDistance(p)};
         // The nearer child comes first.
-        const bool swap = nodes_[node.right].box.distance(p) < nodes_[index + 1].box.distance(p);
-        stack[top++] = swap ? index + 1 : node.right;
-        stack[top++] = swap ? node.right : index + 1;
+        const bool swap = right.squares < left.squares;
+        stack[top++] = swap ? left : right;
+        stack[top++] = swap ? right : left;
     }
     return std::sqrt(best);
 }

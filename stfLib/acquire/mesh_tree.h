@@ -13,8 +13,13 @@ public:
     explicit TriangleTree(const TriangleMesh& mesh);
 
     bool empty() const { return triangles_.empty(); }
-    /// From p to the nearest triangle; `bound` where none is nearer than that.
-    double distance(const Vec3d& p, double bound = 1e300) const;
+    /// From p to the nearest triangle; `bound` where none is nearer than that. `hint` is a triangle that may be near (0
+    /// to begin with), which shortens the search; it becomes the nearest one.
+    double distance(const Vec3d& p, double bound, std::size_t& hint) const;
+    double distance(const Vec3d& p, double bound = 1e300) const {
+        std::size_t hint = 0;
+        return distance(p, bound, hint);
+    }
     /// Sum of the signed solid angles of the triangles over 4 pi: 1 inside a closed mesh that faces outward, 0 outside,
     /// in between where holes let the outside in. What is far away is taken as a dipole: error below 0.01.
     double windingNumber(const Vec3d& p) const;

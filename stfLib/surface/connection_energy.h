@@ -11,10 +11,10 @@ namespace stf {
 /// A quadratic energy of one complex number per vertex of a graph: the sum over links of w |z_i - r_ij z_j|^2, with a
 /// rotation r_ij from j to i, and over vertices of d_i |z_i|^2 - 2 Re(conj(b_i) z_i).
 struct ConnectionEnergy {
-    std::vector<int> first, neighbour;     ///< as in SurfaceGraph
-    std::vector<std::complex<float>> link; ///< w r_ij, at i's link to j; the one back is its conjugate
-    std::vector<double> diagonal;          ///< per vertex: sum of w of its links, and d
-    std::vector<double> mass;              ///< area
+    std::vector<int> first, neighbour;        ///< as in SurfaceGraph
+    std::vector<std::complex<float>> link;    ///< w r_ij, at i's link to j; the one back is its conjugate
+    std::vector<double> diagonal;             ///< per vertex: sum of w of its links, and d
+    std::vector<double> mass;                 ///< area
     std::vector<std::complex<double>> wanted; ///< b; empty: none
 
     std::size_t size() const { return diagonal.size(); }

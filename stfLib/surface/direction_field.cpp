@@ -13,7 +13,7 @@ namespace {
 
 using Complex = std::complex<double>;
 constexpr double kPi = 3.14159265358979323846;
-constexpr double guideWeight = 50;     ///< of an authored vector, in units of a vertex's own weight
+constexpr double guideWeight = 50; ///< of an authored vector, in units of a vertex's own weight
 
 /// The unit vector of v's tangent plane that has the angle 0, and its left.
 void frameOf(const SurfaceGraph& g, std::size_t v, Vec3d& x, Vec3d& y) {
@@ -63,8 +63,8 @@ ConnectionEnergy energyOf(const SurfaceGraph& g, const std::vector<Vec3f>& guide
         for (std::size_t i = begin; i < end; ++i) {
             for (int k = g.first[i]; k < g.first[i + 1]; ++k) {
                 const double w = std::max(0.05, double(weight[std::size_t(k)]));
-                l.link[std::size_t(k)] = std::complex<float>(
-                    w * transport(g, std::size_t(g.neighbour[std::size_t(k)]), i));
+                l.link[std::size_t(k)] =
+                    std::complex<float>(w * transport(g, std::size_t(g.neighbour[std::size_t(k)]), i));
                 l.diagonal[i] += w;
             }
             l.mass[i] = std::max(1e-300, double(g.area[i]));
@@ -130,7 +130,8 @@ std::vector<Singularity> singularities(const SurfaceGraph& graph, const std::vec
             const std::size_t i = std::size_t(tri[c]), j = std::size_t(tri[(c + 1) % 3]);
             // From the lower to the higher vertex: both triangles of an edge see the same number.
             const Complex r = i < j ? transport(graph, i, j) : std::conj(transport(graph, j, i));
-            const double w = i < j ? std::arg(angle(j) / (r * angle(i))) : -std::arg(angle(i) / (std::conj(r) * angle(j)));
+            const double w =
+                i < j ? std::arg(angle(j) / (r * angle(i))) : -std::arg(angle(i) / (std::conj(r) * angle(j)));
             turn += w;
             around *= r;
         }

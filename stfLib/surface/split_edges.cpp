@@ -52,7 +52,7 @@ struct EdgeTable {
             const auto begin = sides.begin() + std::ptrdiff_t(first[v]),
                        end = sides.begin() + std::ptrdiff_t(first[v + 1]);
             std::sort(begin, end, [](const Side& a, const Side& b) {
-                return a.key != b.key           ? a.key < b.key
+                return a.key != b.key             ? a.key < b.key
                        : a.triangle != b.triangle ? a.triangle < b.triangle
                                                   : a.corner < b.corner;
             });
@@ -170,9 +170,9 @@ private:
                 const std::size_t e = std::size_t(uvEdges.ofTriangle[t][c]);
                 if (marked[std::size_t(edges.ofTriangle[t][c])] && uvMiddle_[e] < 0) {
                     uvMiddle_[e] = int(s_.uvs.size());
-                    s_.uvs.push_back((s_.uvs[std::size_t(uvEdges.ends[e].first)] +
-                                      s_.uvs[std::size_t(uvEdges.ends[e].second)]) *
-                                     0.5f);
+                    s_.uvs.push_back(
+                        (s_.uvs[std::size_t(uvEdges.ends[e].first)] + s_.uvs[std::size_t(uvEdges.ends[e].second)]) *
+                        0.5f);
                 }
             }
         }
@@ -259,9 +259,10 @@ RefinedSurface splitLongEdges(RefinedSurface surface, double maxEdge, std::size_
     }
     if (full) {
         char text[160];
-        std::snprintf(text, sizeof text,
-                      "the surface is sampled by %zu triangles; edges of %.3g units would need more than the %zu allowed",
-                      surface.triangles.size(), maxEdge, maxTriangles);
+        std::snprintf(
+            text, sizeof text,
+            "the surface is sampled by %zu triangles; edges of %.3g units would need more than the %zu allowed",
+            surface.triangles.size(), maxEdge, maxTriangles);
         report(messages, Severity::Warning, text);
     }
     return surface;

@@ -17,9 +17,9 @@ struct MappingChoice {
     std::string why; ///< half a sentence, for the plan
 };
 
-/// What `primvars:stf:mapping` (auto, uv, synthesize) means for a surface and a sample. `auto` takes texture coordinates
-/// where they are usable: given, of an area, and neither collapsed nor stretched beyond use on more than a twentieth of
-/// the surface. Texture coordinates that were asked for by `uv` are taken as they are.
+/// What `primvars:stf:mapping` (auto, uv, synthesize) means for a surface and a sample. `auto` takes texture
+/// coordinates where they are usable: given, of an area, and neither collapsed nor stretched beyond use on more than a
+/// twentieth of the surface. Texture coordinates that were asked for by `uv` are taken as they are.
 MappingChoice chooseMapping(const std::string& mapping, const RefinedSurface& surface, const BaseVolume& volume);
 
 /// Coordinates for a sample that is the same everywhere: each triangle has its own, isometric.

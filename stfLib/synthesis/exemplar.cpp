@@ -15,9 +15,9 @@ namespace {
 
 constexpr int kStackLevels = 5;
 constexpr int kSimilar = 8;
-constexpr double kLogWeight = 6;     ///< steps of lightness per factor of ten in a coefficient, at the top
-constexpr double kLightness = 116;   ///< CIE lightness per cube root of reflectance
-constexpr double kHeightWeight = 12; ///< steps of lightness per texel of height: what a slope does to shading
+constexpr double kLogWeight = 6;            ///< steps of lightness per factor of ten in a coefficient, at the top
+constexpr double kLightness = 116;          ///< CIE lightness per cube root of reflectance
+constexpr double kHeightWeight = 12;        ///< steps of lightness per texel of height: what a slope does to shading
 constexpr std::size_t kMostSamples = 16384; ///< neighbourhoods that the principal components are taken from
 
 int wrap(int i, int n) {

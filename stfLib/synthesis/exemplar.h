@@ -44,8 +44,8 @@ struct Exemplar {
     /// Parameters per texel for histograms: mean log10 of extinction, mean albedo (green), height of the surface.
     std::vector<std::vector<float>> parameters;
     std::vector<std::string> parameterNames;
-    /// Root mean square distance of a texel's neighbourhood (itself and the 8 around it) to that of the texel most alike
-    /// that is not near: what a perfect copy from elsewhere in the sample would have.
+    /// Root mean square distance of a texel's neighbourhood (itself and the 8 around it) to that of the texel most
+    /// alike that is not near: what a perfect copy from elsewhere in the sample would have.
     double ownError = 0;
 
     Vec2d tileMm() const { return {width * texelMm.x, height * texelMm.y}; }

@@ -58,7 +58,8 @@ SurfaceCoords healBreaks(const SurfaceGraph& g, const SurfaceSteps& steps, const
             }
         }
     });
-    // Shifts that make c_u + shift_u = c_v + shift_v + step: each vertex takes what its neighbours ask for, all at once.
+    // Shifts that make c_u + shift_u = c_v + shift_v + step: each vertex takes what its neighbours ask for, all at
+    // once.
     std::vector<Vec2f> shift(g.size()), next(g.size());
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
         parallelFor(g.size(), 4096, [&](std::size_t begin, std::size_t end) {
@@ -147,7 +148,8 @@ void absorbFragments(const SurfaceGraph& g, const ChartCover& cover, std::size_t
                 }
             }
         }
-        std::stable_sort(around.begin(), around.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+        std::stable_sort(around.begin(), around.end(),
+                         [](const auto& a, const auto& b) { return a.second > b.second; });
         for (const auto& [vertex, count] : around) {
             const int chart = cover.chart[std::size_t(labels.entry[std::size_t(vertex)])];
             if (std::all_of(part.begin(), part.end(), [&](int p) { return cover.entryAt(p, chart) >= 0; })) {

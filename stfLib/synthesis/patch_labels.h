@@ -11,9 +11,7 @@ struct PatchLabels {
     std::vector<int> entry;    ///< of the chart cover, per vertex
     std::vector<Vec2f> offset; ///< mm, added to the entry's coordinate
 
-    Vec2f coord(const ChartCover& cover, std::size_t v) const {
-        return cover.coord[std::size_t(entry[v])] + offset[v];
-    }
+    Vec2f coord(const ChartCover& cover, std::size_t v) const { return cover.coord[std::size_t(entry[v])] + offset[v]; }
 };
 
 /// The same place of the tile nearest to zero.
@@ -25,7 +23,7 @@ Vec2f continued(const ChartCover& cover, const PatchLabels& labels, std::size_t 
 
 struct SeamOptions {
     int sweeps = 2;
-    double strainCost = 2;   ///< per squared logarithm of stretch at a vertex, in units of the sample's own error
+    double strainCost = 2; ///< per squared logarithm of stretch at a vertex, in units of the sample's own error
     double remoteCost = 0.02;
     double lengthCost = 0.4; ///< of a seam per link, however well it fits
 };

@@ -13,16 +13,16 @@ namespace stf {
 
 namespace {
 
-constexpr int kMembers = 2400;      ///< of a chart that are looked at
-constexpr int kCoarseSamples = 96;  ///< of its overlap, in the first comparison
-constexpr int kFineSamples = 800;   ///< and in the second
-constexpr int kJumpSamples = 40;    ///< whose texels alike become candidates
+constexpr int kMembers = 2400;     ///< of a chart that are looked at
+constexpr int kCoarseSamples = 96; ///< of its overlap, in the first comparison
+constexpr int kFineSamples = 800;  ///< and in the second
+constexpr int kJumpSamples = 40;   ///< whose texels alike become candidates
 constexpr int kRandomCandidates = 48;
 constexpr int kFinalists = 24;
-constexpr int kBins = 16;           ///< of the usage map, along each axis
-constexpr float kCap = 8;           ///< a mismatch counts at most this many times the sample's own: then it is a break
+constexpr int kBins = 16;        ///< of the usage map, along each axis
+constexpr float kCap = 8;        ///< a mismatch counts at most this many times the sample's own: then it is a break
 constexpr double kVisible = 2.5; ///< steps of lightness, over a neighbourhood
-constexpr float kRival = 0.12f;     ///< of remoteness: where two charts may meet
+constexpr float kRival = 0.12f;  ///< of remoteness: where two charts may meet
 
 /// A place where a chart overlaps another that has chosen.
 struct Constraint {
@@ -41,9 +41,8 @@ class Chooser {
 public:
     Chooser(const SurfaceGraph& g, const ChartCover& cover, const Exemplar& ex, double mmPerUnit,
             const OffsetOptions& options)
-        : g_(g), cover_(cover), ex_(ex), options_(options), mmPerUnit_(mmPerUnit),
-          offset_(cover.charts.size()), chosen_(cover.charts.size(), 0), core_(cover.charts.size()),
-          usage_(std::size_t(kBins * kBins), 0.0f) {
+        : g_(g), cover_(cover), ex_(ex), options_(options), mmPerUnit_(mmPerUnit), offset_(cover.charts.size()),
+          chosen_(cover.charts.size(), 0), core_(cover.charts.size()), usage_(std::size_t(kBins * kBins), 0.0f) {
         tile_ = {float(ex.tileMm().x), float(ex.tileMm().y)};
         // Of a sample without places that are alike every seam is seen: its own error is no measure then. Where it is
         // zero (a sample that repeats itself), a hundredth of a step of lightness is a mismatch.
@@ -197,8 +196,8 @@ private:
                 const float third = (std::max(r, cover_.remoteness[std::size_t(e)]) - nearest) / (2 * kRival);
                 const float w = std::exp(-0.5f * (d * d + third * third));
                 if (w > 0.02f) {
-                    out.push_back({cover_.coord[std::size_t(own)],
-                                   cover_.coord[std::size_t(e)] + offset_[std::size_t(o)], w, o});
+                    out.push_back(
+                        {cover_.coord[std::size_t(own)], cover_.coord[std::size_t(e)] + offset_[std::size_t(o)], w, o});
                 }
             }
         });
@@ -239,7 +238,8 @@ private:
         for (const auto& m : mean) {
             out.push_back({m.second.first * (1 / m.second.second)});
         }
-        // All neighbours at once, near what the chart shows now: drift is spread instead of piling up where fronts meet.
+        // All neighbours at once, near what the chart shows now: drift is spread instead of piling up where fronts
+        // meet.
         if (chosen_[std::size_t(c)] && !constraints.empty()) {
             Vec2f sum{0, 0};
             float weight = 0;
@@ -278,7 +278,8 @@ private:
         return out;
     }
 
-    float mismatch(const std::vector<Constraint>& constraints, const Vec2f& offset, const AppearanceImage& image) const {
+    float mismatch(const std::vector<Constraint>& constraints, const Vec2f& offset,
+                   const AppearanceImage& image) const {
         if (constraints.empty()) {
             return 0;
         }
@@ -286,8 +287,8 @@ private:
         float sum = 0, weight = 0;
         for (const Constraint& k : constraints) {
             const Vec2f a = k.own + offset;
-            const float d = squaredDistance(image.sample(a.x * px, a.y * py),
-                                            image.sample(k.wanted.x * px, k.wanted.y * py));
+            const float d =
+                squaredDistance(image.sample(a.x * px, a.y * py), image.sample(k.wanted.x * px, k.wanted.y * py));
             sum += k.weight * std::min(d, kCap * kCap * own2_);
             weight += k.weight;
         }
@@ -351,7 +352,7 @@ private:
         parallelFor(list.size(), 16, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
                 other[i] = variety_ * (float(options_.usage) * overuse(c, list[i].offset) +
-                           float(options_.repetition) * repeated(c, list[i].offset, near));
+                                       float(options_.repetition) * repeated(c, list[i].offset, near));
                 list[i].cost = mismatch(few, list[i].offset, coarse) + other[i];
             }
         });

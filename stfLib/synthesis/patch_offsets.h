@@ -8,9 +8,10 @@ namespace stf {
 
 struct OffsetOptions {
     std::uint64_t seed = 0;
-    double repetition = 1.5; ///< cost of showing the same place again nearby, in units of a seam as good as the sample's own
-    double usage = 1.0;      ///< cost of places used twice their share, in the same units
-    int sweeps = 5;          ///< how often every chart chooses again, after the first time
+    double repetition =
+        1.5;            ///< cost of showing the same place again nearby, in units of a seam as good as the sample's own
+    double usage = 1.0; ///< cost of places used twice their share, in the same units
+    int sweeps = 5;     ///< how often every chart chooses again, after the first time
 };
 
 /// Which part of the sample each chart shows: an offset in tile millimetres, added to the chart's coordinates.

@@ -53,8 +53,7 @@ void links(const Synthesis& s, SynthesisQuality& q) {
             const Vec2f step = s.steps.stepMm[std::size_t(k)];
             // What v's texel has beside it, against what the surface shows there: the sample is not stretched.
             const Vec2f shown = s.coords.coord[u];
-            const Vec2f expected =
-                at + Vec2f(turn.x * step.x - turn.y * step.y, turn.y * step.x + turn.x * step.y);
+            const Vec2f expected = at + Vec2f(turn.x * step.x - turn.y * step.y, turn.y * step.x + turn.x * step.y);
             const double d = double(squaredDistance(show(s, shown), show(s, expected)));
             around += d;
             ++n;

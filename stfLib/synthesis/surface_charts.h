@@ -21,8 +21,8 @@ SurfaceSteps surfaceSteps(const SurfaceGraph& graph, const std::vector<Vec3f>& d
 
 /// Fills `wantedMm`: a field of unit steps is no gradient where it turns; times the exponential of a potential it is
 /// (the conformal factor: its gradient is the turning of the field, rotated by a right angle). The potential is solved
-/// for by least squares, drawn to 0 over `rangeMm` and kept within `largest` (a factor above 1) and its inverse, so that
-/// the sample's scale stays near 1 and patches fit together over wide areas. Returns the factor per vertex.
+/// for by least squares, drawn to 0 over `rangeMm` and kept within `largest` (a factor above 1) and its inverse, so
+/// that the sample's scale stays near 1 and patches fit together over wide areas. Returns the factor per vertex.
 std::vector<float> scaleSteps(const SurfaceGraph& graph, double rangeMm, double largest, double mmPerUnit,
                               SurfaceSteps& steps, Progress& progress);
 

@@ -226,8 +226,8 @@ ExemplarMap exemplarMap(const Synthesis& s) {
             const auto byGradient = [&](int c) {
                 const Vec3d e = Vec3d(s.graph.points[std::size_t(tri[c])]) - Vec3d(s.graph.points[l]);
                 const Vec3d flat = e - n * dot(e, n);
-                coords[c] = base + Vec2f(float(dot(Vec3d(gradient[0][l]), flat)),
-                                         float(dot(Vec3d(gradient[1][l]), flat)));
+                coords[c] =
+                    base + Vec2f(float(dot(Vec3d(gradient[0][l]), flat)), float(dot(Vec3d(gradient[1][l]), flat)));
             };
             for (int c = 0; c < 3; ++c) {
                 const int k = c == lead ? -1 : linkOf(s.graph, int(l), tri[c]);

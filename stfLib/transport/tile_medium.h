@@ -74,6 +74,7 @@ public:
 
 private:
     friend class Walker;
+    friend class LaneWalker;
     Vec3i size_;
     Vec3d voxelMm_;
     TransportForm form_;

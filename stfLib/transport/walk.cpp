@@ -4,6 +4,8 @@
 #include "stfLib/base/random.h"
 #include "stfLib/optics/fresnel.h"
 #include "stfLib/optics/phase.h"
+#include "stfLib/transport/lane_walk.h"
+#include "stfLib/transport/walk_limits.h"
 
 #include <algorithm>
 #include <numeric>
@@ -13,11 +15,7 @@ namespace stf {
 namespace {
 
 constexpr float kPi = 3.14159265358979f;
-/// Below this weight roulette decides.
-constexpr double kRouletteBelow = 0.1, kRouletteTo = 0.3;
-/// A walk that met this many interfaces between two collisions is trapped: by total reflection where nothing scatters,
-/// or in a corner of the interpolated surface.
-constexpr int kMaxSurfaces = 100'000;
+using walk_limits::kMaxSurfaces, walk_limits::kRouletteBelow, walk_limits::kRouletteTo;
 
 void addTo(std::vector<double>& a, const std::vector<double>& b) {
     if (a.empty()) {
@@ -370,7 +368,7 @@ void Walker::see(const Photon<Channels>& p, float g, int channel) {
 
 template<int Channels, int Components>
 void Walker::walk(std::uint64_t photon, int channel) {
-    CounterRng rng(request_.seed + 0x9e3779b97f4a7c15ull * (request_.source + 1), photon);
+    CounterRng rng(walk_limits::streamKey(request_.seed, request_.source), photon);
     Photon<Channels> p;
     const std::vector<float>& extinction = m_.extinction_[m_.grey_ ? 0 : channel];
     const bool oneColumn = m_.size_.x == 1 && m_.size_.y == 1;
@@ -565,6 +563,16 @@ WalkTally walk(const TileMedium& medium, const WalkSource& source, const WalkReq
         return tally;
     }
 
+    if (!request.scalar && lanesCanWalk(medium, source, request)) {
+        for (int c = 0; c < 3; ++c) {
+            if (medium.channelLike(c) == c) {
+                walkLanes(medium, source, request, c, tally, progress);
+            } else {
+                copyChannel(tally, medium.channelLike(c), c);
+            }
+        }
+        return tally;
+    }
     Walker walker(medium, source, request, tally);
     const bool alike = medium.channelLike(1) == 0 && medium.channelLike(2) == 0;
     if (medium.greyExtinction() && !alike && !request.analog) {

@@ -34,6 +34,7 @@ struct WalkRequest {
     /// estimation; index 1, no relief. Zero: not wanted.
     Vec3f towardsViewer{0, 0, 0};
     bool analog = false; ///< photons die instead of losing weight: bookkeeping is exact, noise larger
+    bool scalar = false; ///< photon after photon, where vectors could walk many at once (lane_walk.h): for comparison
 };
 
 /// Sums over walks, per unit of entering flux. Channels interleaved.

@@ -40,7 +40,8 @@ void blendMaterials(BaseVolume& v, const std::vector<Material>& materials, const
         if (sum == 0) {
             continue;
         }
-        const bool cut = !v.surface.empty();
+        // A voxel whose corners lie on one side is not cut: what it lacks inside are pores.
+        const bool cut = !v.surface.empty() && std::abs(double(v.surface[i])) <= 0.5 * length(v.voxelMm);
         const double share = cut || sum > 1 ? 1 / sum : 1.0;
         Vec3d sigmaA(0.0), sigmaS(0.0);
         double forward = 0, scattering = 0, ior = 0;

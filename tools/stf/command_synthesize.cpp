@@ -31,7 +31,7 @@ struct Arguments {
 
 ControlMesh controlMesh(const std::vector<MeshPart>& parts, const std::string& scheme) {
     ControlMesh mesh;
-    mesh.scheme = scheme == "loop"         ? ControlMesh::Scheme::Loop
+    mesh.scheme = scheme == "loop"           ? ControlMesh::Scheme::Loop
                   : scheme == "catmullClark" ? ControlMesh::Scheme::CatmullClark
                                              : ControlMesh::Scheme::None;
     for (const MeshPart& part : parts) {
@@ -88,8 +88,8 @@ void run(const Arguments& a) {
         const double texel = std::max(volume.voxelMm.x, volume.voxelMm.y);
         const double area = areaOf(surface);
         const double wanted = a.samples > 0 ? a.samples : kDefaultSamples;
-        const double mmPerUnit = a.mmPerUnit > 0 ? a.mmPerUnit
-                                                 : std::sqrt(wanted / a.density * volume.voxelMm.x * volume.voxelMm.y / area);
+        const double mmPerUnit =
+            a.mmPerUnit > 0 ? a.mmPerUnit : std::sqrt(wanted / a.density * volume.voxelMm.x * volume.voxelMm.y / area);
         surface = sampleSurface(std::move(surface), texel / std::sqrt(a.density), mmPerUnit,
                                 std::size_t(a.maxTriangles), ofMesh);
         SynthesisOptions options;
@@ -124,14 +124,16 @@ void run(const Arguments& a) {
 } // namespace
 
 void addSynthesizeCommand(CLI::App& app) {
-    auto* command = app.add_subcommand("synthesize", "Grow a sample over a mesh and measure how well (docs/synthesis.md)");
+    auto* command =
+        app.add_subcommand("synthesize", "Grow a sample over a mesh and measure how well (docs/synthesis.md)");
     auto a = std::make_shared<Arguments>();
     command->add_option("mesh", a->mesh, "OBJ, PLY, STL, OFF or USD")->required();
     command->add_option("volume", a->volume, "Base volume (.vdb)")->required();
     command->add_option("--report", a->report, "Write the measures as JSON");
     command->add_option("--sheet", a->sheet, "Write a PNG with pictures of patches, coordinates and material");
-    auto* samples = command->add_option("--samples", a->samples, "Scale the mesh so that it takes about that many samples")
-                        ->check(CLI::Range(100.0, 2e7));
+    auto* samples =
+        command->add_option("--samples", a->samples, "Scale the mesh so that it takes about that many samples")
+            ->check(CLI::Range(100.0, 2e7));
     command->add_option("--mmPerUnit", a->mmPerUnit, "Millimetres of the sample per unit of the mesh")
         ->check(CLI::PositiveNumber)
         ->excludes(samples);

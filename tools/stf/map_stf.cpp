@@ -2,10 +2,10 @@
 #include "tools/stf/map_stf.h"
 
 #include "stfLib/base/parallel.h"
+#include "stfLib/base/temporary_folder.h"
 #include "stfLib/render/tile_march.h"
 #include "stfLib/transport/precompute.h"
 #include "tools/stf/map_walk.h"
-#include "tools/stf/temporary_folder.h"
 
 #include <chrono>
 #include <cmath>

@@ -2,6 +2,7 @@
 #include "tools/stf/slab_stf.h"
 
 #include "stfLib/base/parallel.h"
+#include "stfLib/base/temporary_folder.h"
 #include "stfLib/core/dipole.h"
 #include "stfLib/optics/fresnel.h"
 #include "stfLib/optics/gauss_legendre.h"
@@ -9,7 +10,6 @@
 #include "stfLib/transport/precompute.h"
 #include "stfLib/volume/volume_io.h"
 #include "tools/stf/slab_tile.h"
-#include "tools/stf/temporary_folder.h"
 
 #include <chrono>
 

@@ -13,15 +13,15 @@ namespace stf {
 
 namespace {
 
-constexpr int kPanel = 720;   ///< pixels along an edge of a picture
+constexpr int kPanel = 720; ///< pixels along an edge of a picture
 constexpr int kColumns = 3;
 constexpr int kSubpixels = 2; ///< along each axis
 
 struct View {
-    Vec3d towards;      ///< unit, to the viewer
+    Vec3d towards; ///< unit, to the viewer
     Vec3d right, up;
     Vec3d centre;
-    double width = 1;   ///< object units across the picture
+    double width = 1; ///< object units across the picture
     enum Kind { Patches, Coordinates, Material } kind = Material;
 };
 
@@ -70,8 +70,8 @@ public:
                         RayHit hit;
                         sum += mesh_.intersect(ray, hit, 1) ? colour(view, hit) : Rgb(0.05f);
                     }
-                    const std::size_t at = std::size_t(row * kPanel + y) * std::size_t(image.width) +
-                                           std::size_t(column * kPanel + x);
+                    const std::size_t at =
+                        std::size_t(row * kPanel + y) * std::size_t(image.width) + std::size_t(column * kPanel + x);
                     for (int c = 0; c < 3; ++c) {
                         image.layers[0].floats[4 * at + std::size_t(c)] = sum[c] / float(kSubpixels * kSubpixels);
                     }

@@ -21,8 +21,8 @@ double longestEdge(const RefinedSurface& s) {
     double longest = 0;
     for (const Vec3i& t : s.triangles) {
         for (int c = 0; c < 3; ++c) {
-            longest = std::max(longest, double(length(s.points[std::size_t(t[c])] -
-                                                      s.points[std::size_t(t[(c + 1) % 3])])));
+            longest =
+                std::max(longest, double(length(s.points[std::size_t(t[c])] - s.points[std::size_t(t[(c + 1) % 3])])));
         }
     }
     return longest;

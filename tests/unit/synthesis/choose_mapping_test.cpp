@@ -63,9 +63,10 @@ TEST(ChooseMapping, AnywhereIsIsometricPerTriangle) {
     const ExemplarMap map = mapAnywhere(s, {4, 4}, 0.25);
     for (std::size_t t = 0; t < s.triangles.size(); ++t) {
         for (int c = 0; c < 3; ++c) {
-            const Vec2f d = map.cornerCoords[3 * t + std::size_t(c)] - map.cornerCoords[3 * t + std::size_t((c + 1) % 3)];
-            const float l = length(s.points[std::size_t(s.triangles[t][c])] -
-                                   s.points[std::size_t(s.triangles[t][(c + 1) % 3])]);
+            const Vec2f d =
+                map.cornerCoords[3 * t + std::size_t(c)] - map.cornerCoords[3 * t + std::size_t((c + 1) % 3)];
+            const float l =
+                length(s.points[std::size_t(s.triangles[t][c])] - s.points[std::size_t(s.triangles[t][(c + 1) % 3])]);
             EXPECT_NEAR(std::hypot(d.x, d.y), 4 * l, 1e-4);
         }
     }

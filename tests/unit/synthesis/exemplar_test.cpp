@@ -115,8 +115,8 @@ TEST(Exemplar, ReliefIsAParameter) {
     }
     const Exemplar e = made(v);
     ASSERT_NE(std::find(e.parameterNames.begin(), e.parameterNames.end(), "height"), e.parameterNames.end());
-    const std::size_t p = std::size_t(
-        std::find(e.parameterNames.begin(), e.parameterNames.end(), "height") - e.parameterNames.begin());
+    const std::size_t p =
+        std::size_t(std::find(e.parameterNames.begin(), e.parameterNames.end(), "height") - e.parameterNames.begin());
     for (int x = 0; x < 16; ++x) {
         EXPECT_NEAR(e.parameters[p][std::size_t(x)], -(0.65 + 0.35 * std::cos(2 * pi * x / 16)), 1e-5);
     }

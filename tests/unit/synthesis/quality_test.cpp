@@ -63,7 +63,8 @@ TEST(SynthesisQuality, OfTheSampleItselfIsPerfect) {
     for (std::size_t t = 0; t < s.graph.triangles.size(); ++t) {
         for (std::size_t c = 0; c < 3; ++c) {
             const Vec3f p = s.graph.points[std::size_t(s.graph.triangles[t][int(c)])];
-            const double dx = double(map.cornerCoords[3 * t + c].x - p.x), dy = double(map.cornerCoords[3 * t + c].y - p.y);
+            const double dx = double(map.cornerCoords[3 * t + c].x - p.x),
+                         dy = double(map.cornerCoords[3 * t + c].y - p.y);
             EXPECT_NEAR(dx, 24 * std::round(dx / 24), 1e-4);
             EXPECT_NEAR(dy, 24 * std::round(dy / 24), 1e-4);
             EXPECT_LT(length(map.gradientX[3 * t + c] - Vec3f(1, 0, 0)), 1e-4f);

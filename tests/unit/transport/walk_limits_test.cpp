@@ -314,8 +314,10 @@ TEST(WalkLimits, WhatIsTalliedDoesNotChangeTheWalks) {
     const TileMedium medium = trueMedium(mixed(0.5f));
     WalkRequest all = fluenceRequest(500);
     all.flux = true;
+    WalkRequest totals = totalsRequest(500);
+    totals.scalar = true;
     const WalkTally a = walkOnce(medium, normalLight(), all), b = walkOnce(medium, normalLight(), 500),
-                    c = walkOnce(medium, normalLight(), totalsRequest(500));
+                    c = walkOnce(medium, normalLight(), totals);
     EXPECT_EQ(a.above.x, b.above.x);
     EXPECT_EQ(b.above.x, c.above.x);
     EXPECT_TRUE(c.collided.empty());

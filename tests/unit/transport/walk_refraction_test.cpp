@@ -8,11 +8,6 @@ using namespace stf::test;
 
 namespace {
 
-BaseVolume withIndex(BaseVolume v, double n) {
-    v.ior.assign(v.voxelCount(), float(n));
-    return v;
-}
-
 BaseVolume slab(double tau, double albedo, double g, double n) {
     return withIndex(homogeneous({2, 1, 4}, {0.7, 0.4, 0.25}, Rgb(float(tau)), Rgb(float(albedo)), float(g)), n);
 }

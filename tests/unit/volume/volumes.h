@@ -21,6 +21,12 @@ inline BaseVolume homogeneous(const Vec3i& size, const Vec3d& voxelMm, const Rgb
     return v;
 }
 
+/// The same with an index of refraction.
+inline BaseVolume withIndex(BaseVolume v, double n) {
+    v.ior.assign(v.voxelCount(), float(n));
+    return v;
+}
+
 /// Every grid present and every value another; the outermost voxels of the tile are zero where that is legal.
 inline BaseVolume varied(const Vec3i& size, std::uint64_t seed = 1) {
     BaseVolume v = homogeneous(size, {0.5, 0.25, 0.125}, Rgb(1.0f), Rgb(0.5f));

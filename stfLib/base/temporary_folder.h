@@ -9,7 +9,7 @@
 
 namespace stf {
 
-/// A folder for files in between, removed with them.
+/// A folder of its own for files in between; removed with everything in it.
 class TemporaryFolder {
 public:
     TemporaryFolder() {
@@ -25,7 +25,8 @@ public:
     }
     TemporaryFolder(const TemporaryFolder&) = delete;
     TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-    std::string file(const char* name) const { return (path_ / name).string(); }
+    const std::filesystem::path& path() const { return path_; }
+    std::string file(const std::string& name) const { return (path_ / name).string(); }
 
 private:
     std::filesystem::path path_;
