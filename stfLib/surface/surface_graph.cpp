@@ -69,8 +69,10 @@ SurfaceGraph surfaceGraph(const RefinedSurface& surface) {
     }
     g.normals.resize(n);
     for (std::size_t v = 0; v < n; ++v) {
-        // Normals of a cut's two sides may cancel; then the facets say where outside is.
-        const Vec3d m = length(normal[v]) > 1e-3 ? normal[v] : facet[v];
+        // Of a faceted surface, shared normals say where the shell lies, not where the surface does; and normals of a
+        // cut's two sides may cancel. Then the facets say where outside is.
+        const bool smooth = surface.cornerNormals.empty() && length(normal[v]) > 1e-3;
+        const Vec3d m = smooth || !(length(facet[v]) > 0) ? normal[v] : facet[v];
         g.normals[v] = length(m) > 0 ? Vec3f(normalize(m)) : Vec3f(0, 0, 1);
     }
     std::vector<std::size_t> begin(n + 1, 0);

@@ -223,11 +223,16 @@ ExemplarMap exemplarMap(const Synthesis& s) {
                              float(double(at.y) - std::floor(double(at.y) / map.tileMm.y) * map.tileMm.y)};
             const Vec3d n(s.graph.normals[l]);
             Vec2f* const coords = &map.cornerCoords[3 * t];
+            // Gradients turned into the plane of the facet, which on coarse meshes leans away from the vertices'
+            // planes.
+            const auto corner = [&](int c) { return Vec3d(s.graph.points[std::size_t(tri[c])]); };
+            const Vec3d facet = normalize(cross(corner(1) - corner(0), corner(2) - corner(0)));
+            const Vec3d plane = dot(facet, facet) > 0.5 ? facet : n;
+            const Vec3d flatX = carryTangent(Vec3d(gradient[0][l]), n, plane),
+                        flatY = carryTangent(Vec3d(gradient[1][l]), n, plane);
             const auto byGradient = [&](int c) {
-                const Vec3d e = Vec3d(s.graph.points[std::size_t(tri[c])]) - Vec3d(s.graph.points[l]);
-                const Vec3d flat = e - n * dot(e, n);
-                coords[c] =
-                    base + Vec2f(float(dot(Vec3d(gradient[0][l]), flat)), float(dot(Vec3d(gradient[1][l]), flat)));
+                const Vec3d e = corner(c) - corner(lead);
+                coords[c] = base + Vec2f(float(dot(flatX, e)), float(dot(flatY, e)));
             };
             for (int c = 0; c < 3; ++c) {
                 const int k = c == lead ? -1 : linkOf(s.graph, int(l), tri[c]);

@@ -83,8 +83,6 @@ void run(const Arguments& a) {
             refineOptions.targetEdge = box.diagonal() / 150;
         }
         RefinedSurface surface = refine(mesh, refineOptions, ofMesh);
-        // A polygon mesh from a scanner stands for a smooth object.
-        surface.cornerNormals.clear();
         const double texel = std::max(volume.voxelMm.x, volume.voxelMm.y);
         const double area = areaOf(surface);
         const double wanted = a.samples > 0 ? a.samples : kDefaultSamples;
