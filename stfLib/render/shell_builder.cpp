@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stfLib/render/shell_builder.h"
 
+#include "stfLib/optics/property_table.h"
+#include "stfLib/synthesis/choose_mapping.h"
+#include "stfLib/synthesis/synthesize.h"
 #include "stfLib/transport/precompute.h"
 #include "stfLib/volume/volume_io.h"
+#include "stfLib/volume/volume_statistics.h"
 
 #include <chrono>
 #include <filesystem>
@@ -11,6 +15,9 @@
 namespace stf {
 
 namespace {
+
+constexpr std::size_t kMostSynthesisTriangles = 4'000'000;
+constexpr double kSeamVoxel = 1.5; ///< voxels of the shell grid, in texels, where there are seams
 
 class Timer {
 public:
@@ -21,27 +28,18 @@ private:
 };
 
 // Mean diffusion length of the filled voxels, mm: the distance over which multiple scattering blurs shadows.
-double diffusionLengthMm(const BaseVolume& v) {
-    double sigmaA = 0, sigmaS = 0;
-    std::size_t filled = 0;
-    for (std::size_t i = 0; i < v.voxelCount(); ++i) {
-        if (maxComponent(v.extinction[i]) > 0) {
-            const double g = v.g.empty() ? 0 : double(v.g[i]);
-            const Rgb s = v.extinction[i] * v.albedo[i];
-            sigmaS += double(average(s)) * (1 - g);
-            sigmaA += double(average(v.extinction[i] - s));
-            ++filled;
-        }
-    }
-    if (!filled || !(sigmaS > 0)) {
+double blurLengthMm(const BaseVolume& v) {
+    const MeanCoefficients mean = meanCoefficients(v);
+    const double sigmaA = average(mean.sigmaA), sigmaS = average(mean.sigmaSPrime);
+    if (!(sigmaS > 0)) {
         return 0;
     }
-    sigmaA /= double(filled);
-    sigmaS /= double(filled);
     return sigmaA > 0 ? 1 / std::sqrt(3 * sigmaA * (sigmaA + sigmaS)) : 1e9;
 }
 
-CoreMaterial coreOf(const StfBinding& binding, const BaseVolume& volume, std::string& why) {
+// The core of the base volume, unless the binding names a material or coefficients; the latter win.
+CoreMaterial coreOf(const StfBinding& binding, const BaseVolume& volume, std::string& why,
+                    const MessageSink& messages) {
     CoreMaterial core;
     if (binding.coreModel == "none") {
         why = "coreModel is none";
@@ -49,6 +47,16 @@ CoreMaterial coreOf(const StfBinding& binding, const BaseVolume& volume, std::st
     }
     core.sigmaA = volume.coreSigmaA;
     core.sigmaSPrime = volume.coreSigmaSPrime;
+    if (!binding.coreMaterial.empty()) {
+        try {
+            const Material material = PropertyTable::builtIn().find(binding.coreMaterial);
+            core.sigmaA = material.sigmaA;
+            core.sigmaSPrime = material.sigmaSPrime();
+        } catch (const Error& e) {
+            report(messages, Severity::Error,
+                   std::string("stf:coreMaterial: ") + e.what() + "; the core of the base volume is used");
+        }
+    }
     if (binding.coreSigmaA) {
         core.sigmaA = Vec3d(*binding.coreSigmaA);
     }
@@ -103,6 +111,28 @@ std::string describe(const StfTable& table, const TileMedium& medium) {
     s << ", " << table.directions.count() << " directions, rank " << table.multiple->rank << ", error "
       << 100 * table.error.total() << " %";
     return s.str();
+}
+
+// Exemplar coordinates of a shell's surface, which is sampled more finely where they are synthesised.
+void mapSurface(const MappingChoice& choice, const StfBinding& binding, ShellObject& o, Progress& progress,
+                const MessageSink& messages) {
+    const Vec3d extent = o.volume->extentMm();
+    const double mmPerUnit = double(o.mmPerUnit);
+    switch (choice.mapping) {
+    case Mapping::Uv:
+        o.map = tileByUv(o.surface, {extent.x, extent.y}, 1 / mmPerUnit, messages);
+        return;
+    case Mapping::Anywhere:
+        o.map = mapAnywhere(o.surface, {extent.x, extent.y}, 1 / mmPerUnit);
+        return;
+    case Mapping::Synthesize:
+        o.surface = sampleSurface(std::move(o.surface), std::max(o.volume->voxelMm.x, o.volume->voxelMm.y), mmPerUnit,
+                                  kMostSynthesisTriangles, messages);
+        SynthesisOptions options;
+        options.seed = std::uint64_t(std::uint32_t(binding.seed));
+        o.map = exemplarMap(synthesize(o.surface, *o.volume, mmPerUnit, options, progress));
+        return;
+    }
 }
 
 } // namespace
@@ -183,7 +213,7 @@ std::shared_ptr<ShellObject> ShellBuilder::build(const std::string& id, const Co
     const float thickness = o.thicknessMm / o.mmPerUnit;
 
     std::string coreWhy;
-    o.core = coreOf(binding, *o.volume, coreWhy);
+    o.core = coreOf(binding, *o.volume, coreWhy, messages);
     o.coreBlack = !o.core.scatters();
 
     Timer precompute;
@@ -228,7 +258,7 @@ std::shared_ptr<ShellObject> ShellBuilder::build(const std::string& id, const Co
         report(messages, Severity::Warning, std::string("this version does not refract at the relief: ") + straight);
     }
 
-    Timer synthesis;
+    Timer surface;
     Box3f box;
     for (const Vec3f& p : mesh.points) {
         box.add(p);
@@ -239,14 +269,13 @@ std::shared_ptr<ShellObject> ShellBuilder::build(const std::string& id, const Co
     refineOptions.targetEdge = std::clamp(0.6f * thickness, box.diagonal() / 400, box.diagonal() / 60);
     refineOptions.maxTriangles = 600'000;
     o.surface = refine(mesh, refineOptions, messages);
-    if (binding.mapping == "synthesize") {
-        report(messages, Severity::Warning, "stf:mapping synthesize is not known to this version, uv is used");
-    }
-    const Vec3d extent = o.volume->extentMm();
-    o.map = tileByUv(o.surface, {extent.x, extent.y}, 1.0 / double(o.mmPerUnit), messages);
-    stats.synthesisSeconds += synthesis.seconds();
-    note("surface", true, std::to_string(o.surface.triangles.size()) + " triangles", synthesis.seconds());
-    note("synthesis", false, o.map.description, 0);
+    note("surface", true, std::to_string(o.surface.triangles.size()) + " triangles", surface.seconds());
+    Timer synthesis;
+    const MappingChoice choice = chooseMapping(binding.mapping, o.surface, *o.volume);
+    mapSurface(choice, binding, o, progress, messages);
+    stats.synthesisSeconds += surface.seconds();
+    note("synthesis", choice.mapping == Mapping::Synthesize, choice.why + "; " + o.map.description,
+         synthesis.seconds());
 
     Timer shell;
     o.boundary = offsetInward(o.surface, thickness, messages);
@@ -254,13 +283,18 @@ std::shared_ptr<ShellObject> ShellBuilder::build(const std::string& id, const Co
     gridOptions.mmPerUnit = double(o.mmPerUnit);
     // Lookups are exact to second order: a quarter of the thickness resolves any bend that the shell itself survives.
     gridOptions.voxelSize = 0.25f * thickness;
+    if (choice.mapping == Mapping::Synthesize) {
+        // Seams run where they are least seen, to a texel: the grid must not move them by more.
+        const double texel = std::min(o.volume->voxelMm.x, o.volume->voxelMm.y);
+        gridOptions.voxelSize = std::min(gridOptions.voxelSize, float(kSeamVoxel * texel / double(o.mmPerUnit)));
+    }
     o.grid = ShellGrid::build(o.surface, o.boundary, o.map, gridOptions, progress, messages);
     o.rayMesh = std::make_shared<const RayMesh>(o.surface.points, o.surface.triangles, o.boundary.inner);
     stats.shellSeconds += shell.seconds();
     note("shell", true, std::to_string(o.grid.sampleCount()) + " samples", shell.seconds());
 
     note("core", !o.coreBlack, coreWhy, 0);
-    o.blurRadiusMm = float(std::min(diffusionLengthMm(*o.volume), double(o.thicknessMm)));
+    o.blurRadiusMm = float(std::min(blurLengthMm(*o.volume), double(o.thicknessMm)));
     return object;
 }
 

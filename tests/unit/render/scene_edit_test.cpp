@@ -81,6 +81,22 @@ protected:
         return renderer.film().read(Aov::Color);
     }
 
+    /// Takes the texture coordinates from the shell's mesh.
+    void dropUvs() {
+        ControlMesh m = *scene_.meshes().at("/shell").mesh;
+        m.uvs.clear();
+        m.uvIndices.clear();
+        scene_.setMesh("/shell", m, 0);
+    }
+    static PlanEntry synthesis(const Renderer& renderer) {
+        for (const PlanEntry& e : renderer.plan()) {
+            if (e.stage == "synthesis") {
+                return e;
+            }
+        }
+        return {};
+    }
+
     static Rgb pixel(const std::vector<float>& image, int x, int y) {
         const std::size_t i = std::size_t(y * kSize + x) * 4;
         return {image[i], image[i + 1], image[i + 2]};
@@ -144,6 +160,44 @@ TEST_F(SceneEdits, TransformVisibilityAndRemovalEqualFreshRenderer) {
     scene_.removeMesh("/shell");
     EXPECT_EQ(render(renderer), hidden);
     EXPECT_LE(tables_, 2);
+}
+
+// A named core is the same as its coefficients; a name that is not in the table is told once, with near ones.
+TEST_F(SceneEdits, CoreMaterialByName) {
+    const auto with = [&](auto change) {
+        StfBinding binding;
+        binding.baseVolume = volume_;
+        binding.quality = 0.1f;
+        change(binding);
+        scene_.setStf("/shell", binding);
+    };
+    Renderer renderer(countingTables());
+    const std::vector<float> ofVolume = render(renderer);
+    with([](StfBinding& b) { b.coreMaterial = "ketchup"; });
+    const std::vector<float> named = render(renderer);
+    EXPECT_NE(named, ofVolume);
+    EXPECT_EQ(tables_, 1) << "the shell's tables do not depend on the core";
+    with([](StfBinding& b) {
+        b.coreSigmaA = Rgb(0.061f, 0.97f, 1.45f);
+        b.coreSigmaSPrime = Rgb(0.18f, 0.07f, 0.03f);
+    });
+    const std::vector<float> given = render(renderer);
+    for (std::size_t i = 0; i < named.size(); ++i) {
+        EXPECT_NEAR(named[i], given[i], 1e-5f * std::abs(given[i]));
+    }
+    with([](StfBinding& b) {
+        b.coreMaterial = "Ketchup";
+        b.coreSigmaSPrime = Rgb(1.0f);
+        b.coreSigmaA = Rgb(0.0f);
+    });
+    const std::vector<float> both = render(renderer);
+    EXPECT_GT(shellPixel(both).y, shellPixel(named).y) << "coefficients win over the name";
+    EXPECT_TRUE(messages_.empty());
+    with([](StfBinding& b) { b.coreMaterial = "Ketschup"; });
+    EXPECT_EQ(render(renderer), ofVolume);
+    EXPECT_EQ(messages_.size(), 1u);
+    EXPECT_TRUE(said("/shell: stf:coreMaterial", "Ketschup"));
+    EXPECT_TRUE(said("did you mean", "Ketchup"));
 }
 
 // Tables depend on the quality, the core's samples on the seed: a setting that changes is an edit too.
@@ -304,13 +358,66 @@ TEST_F(SceneEdits, NegativeScaleAndMissingUv) {
     EXPECT_TRUE(said("/shell", "stf:scale"));
 
     binding.scale = 1;
+    binding.mapping = "uv";
     scene_.setStf("/shell", binding);
-    ControlMesh m = *scene_.meshes().at("/shell").mesh;
-    m.uvs.clear();
-    m.uvIndices.clear();
-    scene_.setMesh("/shell", m, 0);
+    dropUvs();
     expectPlainRendered(render(renderer));
     EXPECT_TRUE(said("/shell", "texture coordinates"));
+}
+
+TEST_F(SceneEdits, WithoutUvASampleThatIsTheSameEverywhereNeedsNoSynthesis) {
+    Renderer renderer;
+    const Rgb tiled = shellPixel(render(renderer));
+    dropUvs();
+    const Rgb anywhere = shellPixel(render(renderer));
+    EXPECT_NEAR(anywhere.y, tiled.y, 0.05f * tiled.y);
+    EXPECT_FALSE(synthesis(renderer).runs);
+    EXPECT_NE(synthesis(renderer).why.find("same everywhere"), std::string::npos);
+    EXPECT_TRUE(messages_.empty()) << messages_.front();
+}
+
+TEST_F(SceneEdits, WithoutUvASampleIsSynthesized) {
+    // Two columns of three are darker: by uv or by example, the mean over the quad is that of the sample.
+    BaseVolume v = readBaseVolume(volume_);
+    v.size = {24, 24, v.size.z};
+    v.extinction.assign(v.voxelCount(), Rgb(2.0f));
+    v.albedo.assign(v.voxelCount(), Rgb(0.95f));
+    for (int z = 0; z < v.size.z; ++z) {
+        for (int y = 0; y < 24; ++y) {
+            for (int x = 0; x < 24; ++x) {
+                v.albedo[v.index(x, y, z)] = Rgb(x % 3 ? 0.95f : 0.7f);
+            }
+        }
+    }
+    writeBaseVolume(v, volume_);
+    StfBinding binding;
+    binding.baseVolume = volume_;
+    binding.quality = 0.2f;
+    scene_.setStf("/shell", binding);
+    const auto mean = [&](Renderer& r) {
+        const std::vector<float> image = render(r);
+        expectPlainRendered(image);
+        float sum = 0;
+        for (int y = 4; y < 8; ++y) {
+            for (int x = 1; x < 5; ++x) {
+                sum += pixel(image, x, y).y / 16;
+            }
+        }
+        return sum;
+    };
+    settings_.samples = 32;
+    Renderer renderer;
+    const float tiled = mean(renderer);
+    EXPECT_FALSE(synthesis(renderer).runs);
+    dropUvs();
+    const float grown = mean(renderer);
+    EXPECT_TRUE(synthesis(renderer).runs);
+    EXPECT_NE(synthesis(renderer).why.find("no texture coordinates"), std::string::npos);
+    EXPECT_GT(tiled, 0.05f);
+    EXPECT_NEAR(grown, tiled, 0.05f * tiled);
+    EXPECT_TRUE(messages_.empty()) << messages_.front();
+    Renderer fresh;
+    EXPECT_EQ(render(renderer), render(fresh));
 }
 
 TEST_F(SceneEdits, BadMeshesAndTransforms) {
