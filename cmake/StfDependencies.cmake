@@ -57,6 +57,8 @@ foreach(lib RANDOM123 XXHASH STB)
     endif()
 endforeach()
 
+# Readers of meshes (layer acquire). Debian's config names a folder of headers that a package may not have.
+find_package(assimp 5 REQUIRED CONFIG)
 # Drawings of the tools: sheets of materials and volumes.
 find_path(CAIRO_INCLUDE_DIR cairo.h PATH_SUFFIXES cairo REQUIRED)
 find_library(CAIRO_LIBRARY cairo REQUIRED)

@@ -10,15 +10,6 @@ void Box3d::add(const Vec3d& p) {
     }
 }
 
-double Box3d::distance(const Vec3d& p) const {
-    double squares = 0;
-    for (int k = 0; k < 3; ++k) {
-        const double d = std::max({lo[k] - p[k], 0.0, p[k] - hi[k]});
-        squares += d * d;
-    }
-    return std::sqrt(squares);
-}
-
 Box3d boundsOf(const TriangleMesh& mesh) {
     Box3d box;
     for (const Vec3i& t : mesh.triangles) {

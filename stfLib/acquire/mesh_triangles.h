@@ -23,7 +23,15 @@ struct Box3d {
     Vec3d size() const { return empty() ? Vec3d(0.0) : hi - lo; }
     Vec3d middle() const { return (lo + hi) * 0.5; }
     /// From p to the nearest point of the box; 0 inside.
-    double distance(const Vec3d& p) const;
+    double distance(const Vec3d& p) const { return std::sqrt(squaredDistance(p)); }
+    double squaredDistance(const Vec3d& p) const {
+        double squares = 0;
+        for (int k = 0; k < 3; ++k) {
+            const double d = std::max(std::max(lo[k] - p[k], 0.0), p[k] - hi[k]);
+            squares += d * d;
+        }
+        return squares;
+    }
 };
 
 Box3d boundsOf(const TriangleMesh& mesh);

@@ -2,6 +2,8 @@
 #include "stfLib/render/shell_builder.h"
 
 #include "stfLib/optics/property_table.h"
+#include "stfLib/synthesis/choose_mapping.h"
+#include "stfLib/synthesis/synthesize.h"
 #include "stfLib/transport/precompute.h"
 #include "stfLib/volume/volume_io.h"
 #include "stfLib/volume/volume_statistics.h"
@@ -13,6 +15,9 @@
 namespace stf {
 
 namespace {
+
+constexpr std::size_t kMostSynthesisTriangles = 4'000'000;
+constexpr double kSeamVoxel = 1.5; ///< voxels of the shell grid, in texels, where there are seams
 
 class Timer {
 public:
@@ -106,6 +111,28 @@ std::string describe(const StfTable& table, const TileMedium& medium) {
     s << ", " << table.directions.count() << " directions, rank " << table.multiple->rank << ", error "
       << 100 * table.error.total() << " %";
     return s.str();
+}
+
+// Exemplar coordinates of a shell's surface, which is sampled more finely where they are synthesised.
+void mapSurface(const MappingChoice& choice, const StfBinding& binding, ShellObject& o, Progress& progress,
+                const MessageSink& messages) {
+    const Vec3d extent = o.volume->extentMm();
+    const double mmPerUnit = double(o.mmPerUnit);
+    switch (choice.mapping) {
+    case Mapping::Uv:
+        o.map = tileByUv(o.surface, {extent.x, extent.y}, 1 / mmPerUnit, messages);
+        return;
+    case Mapping::Anywhere:
+        o.map = mapAnywhere(o.surface, {extent.x, extent.y}, 1 / mmPerUnit);
+        return;
+    case Mapping::Synthesize:
+        o.surface = sampleSurface(std::move(o.surface), std::max(o.volume->voxelMm.x, o.volume->voxelMm.y), mmPerUnit,
+                                  kMostSynthesisTriangles, messages);
+        SynthesisOptions options;
+        options.seed = std::uint64_t(std::uint32_t(binding.seed));
+        o.map = exemplarMap(synthesize(o.surface, *o.volume, mmPerUnit, options, progress));
+        return;
+    }
 }
 
 } // namespace
@@ -231,7 +258,7 @@ std::shared_ptr<ShellObject> ShellBuilder::build(const std::string& id, const Co
         report(messages, Severity::Warning, std::string("this version does not refract at the relief: ") + straight);
     }
 
-    Timer synthesis;
+    Timer surface;
     Box3f box;
     for (const Vec3f& p : mesh.points) {
         box.add(p);
@@ -242,14 +269,13 @@ std::shared_ptr<ShellObject> ShellBuilder::build(const std::string& id, const Co
     refineOptions.targetEdge = std::clamp(0.6f * thickness, box.diagonal() / 400, box.diagonal() / 60);
     refineOptions.maxTriangles = 600'000;
     o.surface = refine(mesh, refineOptions, messages);
-    if (binding.mapping == "synthesize") {
-        report(messages, Severity::Warning, "stf:mapping synthesize is not known to this version, uv is used");
-    }
-    const Vec3d extent = o.volume->extentMm();
-    o.map = tileByUv(o.surface, {extent.x, extent.y}, 1.0 / double(o.mmPerUnit), messages);
-    stats.synthesisSeconds += synthesis.seconds();
-    note("surface", true, std::to_string(o.surface.triangles.size()) + " triangles", synthesis.seconds());
-    note("synthesis", false, o.map.description, 0);
+    note("surface", true, std::to_string(o.surface.triangles.size()) + " triangles", surface.seconds());
+    Timer synthesis;
+    const MappingChoice choice = chooseMapping(binding.mapping, o.surface, *o.volume);
+    mapSurface(choice, binding, o, progress, messages);
+    stats.synthesisSeconds += surface.seconds();
+    note("synthesis", choice.mapping == Mapping::Synthesize, choice.why + "; " + o.map.description,
+         synthesis.seconds());
 
     Timer shell;
     o.boundary = offsetInward(o.surface, thickness, messages);
@@ -257,6 +283,11 @@ std::shared_ptr<ShellObject> ShellBuilder::build(const std::string& id, const Co
     gridOptions.mmPerUnit = double(o.mmPerUnit);
     // Lookups are exact to second order: a quarter of the thickness resolves any bend that the shell itself survives.
     gridOptions.voxelSize = 0.25f * thickness;
+    if (choice.mapping == Mapping::Synthesize) {
+        // Seams run where they are least seen, to a texel: the grid must not move them by more.
+        const double texel = std::min(o.volume->voxelMm.x, o.volume->voxelMm.y);
+        gridOptions.voxelSize = std::min(gridOptions.voxelSize, float(kSeamVoxel * texel / double(o.mmPerUnit)));
+    }
     o.grid = ShellGrid::build(o.surface, o.boundary, o.map, gridOptions, progress, messages);
     o.rayMesh = std::make_shared<const RayMesh>(o.surface.points, o.surface.triangles, o.boundary.inner);
     stats.shellSeconds += shell.seconds();

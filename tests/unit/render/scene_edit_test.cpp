@@ -81,6 +81,22 @@ protected:
         return renderer.film().read(Aov::Color);
     }
 
+    /// Takes the texture coordinates from the shell's mesh.
+    void dropUvs() {
+        ControlMesh m = *scene_.meshes().at("/shell").mesh;
+        m.uvs.clear();
+        m.uvIndices.clear();
+        scene_.setMesh("/shell", m, 0);
+    }
+    static PlanEntry synthesis(const Renderer& renderer) {
+        for (const PlanEntry& e : renderer.plan()) {
+            if (e.stage == "synthesis") {
+                return e;
+            }
+        }
+        return {};
+    }
+
     static Rgb pixel(const std::vector<float>& image, int x, int y) {
         const std::size_t i = std::size_t(y * kSize + x) * 4;
         return {image[i], image[i + 1], image[i + 2]};
@@ -342,13 +358,66 @@ TEST_F(SceneEdits, NegativeScaleAndMissingUv) {
     EXPECT_TRUE(said("/shell", "stf:scale"));
 
     binding.scale = 1;
+    binding.mapping = "uv";
     scene_.setStf("/shell", binding);
-    ControlMesh m = *scene_.meshes().at("/shell").mesh;
-    m.uvs.clear();
-    m.uvIndices.clear();
-    scene_.setMesh("/shell", m, 0);
+    dropUvs();
     expectPlainRendered(render(renderer));
     EXPECT_TRUE(said("/shell", "texture coordinates"));
+}
+
+TEST_F(SceneEdits, WithoutUvASampleThatIsTheSameEverywhereNeedsNoSynthesis) {
+    Renderer renderer;
+    const Rgb tiled = shellPixel(render(renderer));
+    dropUvs();
+    const Rgb anywhere = shellPixel(render(renderer));
+    EXPECT_NEAR(anywhere.y, tiled.y, 0.05f * tiled.y);
+    EXPECT_FALSE(synthesis(renderer).runs);
+    EXPECT_NE(synthesis(renderer).why.find("same everywhere"), std::string::npos);
+    EXPECT_TRUE(messages_.empty()) << messages_.front();
+}
+
+TEST_F(SceneEdits, WithoutUvASampleIsSynthesized) {
+    // Two columns of three are darker: by uv or by example, the mean over the quad is that of the sample.
+    BaseVolume v = readBaseVolume(volume_);
+    v.size = {24, 24, v.size.z};
+    v.extinction.assign(v.voxelCount(), Rgb(2.0f));
+    v.albedo.assign(v.voxelCount(), Rgb(0.95f));
+    for (int z = 0; z < v.size.z; ++z) {
+        for (int y = 0; y < 24; ++y) {
+            for (int x = 0; x < 24; ++x) {
+                v.albedo[v.index(x, y, z)] = Rgb(x % 3 ? 0.95f : 0.7f);
+            }
+        }
+    }
+    writeBaseVolume(v, volume_);
+    StfBinding binding;
+    binding.baseVolume = volume_;
+    binding.quality = 0.2f;
+    scene_.setStf("/shell", binding);
+    const auto mean = [&](Renderer& r) {
+        const std::vector<float> image = render(r);
+        expectPlainRendered(image);
+        float sum = 0;
+        for (int y = 4; y < 8; ++y) {
+            for (int x = 1; x < 5; ++x) {
+                sum += pixel(image, x, y).y / 16;
+            }
+        }
+        return sum;
+    };
+    settings_.samples = 32;
+    Renderer renderer;
+    const float tiled = mean(renderer);
+    EXPECT_FALSE(synthesis(renderer).runs);
+    dropUvs();
+    const float grown = mean(renderer);
+    EXPECT_TRUE(synthesis(renderer).runs);
+    EXPECT_NE(synthesis(renderer).why.find("no texture coordinates"), std::string::npos);
+    EXPECT_GT(tiled, 0.05f);
+    EXPECT_NEAR(grown, tiled, 0.05f * tiled);
+    EXPECT_TRUE(messages_.empty()) << messages_.front();
+    Renderer fresh;
+    EXPECT_EQ(render(renderer), render(fresh));
 }
 
 TEST_F(SceneEdits, BadMeshesAndTransforms) {

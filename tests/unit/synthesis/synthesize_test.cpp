@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stfLib/synthesis/synthesize.h"
+
+#include "stfLib/base/parallel.h"
+#include "stfLib/synthesis/coherence_passes.h"
+#include "stfLib/synthesis/quality.h"
+#include "tests/unit/synthesis/synthesis_fixture.h"
+
+#include <gtest/gtest.h>
+
+using namespace stf;
+using namespace stf::test;
+
+TEST(Synthesize, APlaneOfATileIsOnePatch) {
+    // 48 x 48 texels of 0.5 mm on 24 x 24 mm: nothing asks for a seam.
+    const BaseVolume v = waves(48);
+    const Synthesis s = synthesized(refinedOf(rectangle(24, 24, 48, 48)), v);
+    const SynthesisQuality q = measure(s, exemplarMap(s));
+    EXPECT_LT(q.seamRate, 0.03);
+    EXPECT_LT(q.neighbourhoodError, 0.3 * q.exemplarError);
+    EXPECT_LT(q.stretch, 0.05);
+    EXPECT_EQ(q.foldOvers, 0u);
+}
+
+TEST(Synthesize, ATorusMeetsTheTargets) {
+    const BaseVolume v = waves(48);
+    const RefinedSurface surface = sampledTorus(0.5);
+    const Synthesis s = synthesized(surface, v);
+    const SynthesisQuality q = measure(s, exemplarMap(s));
+    EXPECT_NEAR(q.texelsPerSample, 1, 0.4);
+    EXPECT_LT(q.seamRate, 0.05);
+    EXPECT_LT(q.neighbourhoodError, 1.5 * q.exemplarError);
+    EXPECT_LT(q.reuseMax, 3);
+    EXPECT_GT(q.reuseEntropy, 0.98);
+    EXPECT_LT(q.ks, 0.05);
+    EXPECT_LT(std::abs(q.deltaR), 0.02);
+    EXPECT_EQ(q.foldOvers, 0u);
+    EXPECT_EQ(q.indexSum, 0);
+    EXPECT_LT(q.stretch, 0.2);
+}
+
+TEST(Synthesize, GivesCoordinatesThatAreContinuousWithinTrianglesAndAcrossUnbrokenLinks) {
+    const BaseVolume v = waves(32);
+    const RefinedSurface surface = sampledTorus(1.0);
+    const Synthesis s = synthesized(surface, v, 3);
+    const ExemplarMap map = exemplarMap(s);
+    ASSERT_EQ(map.cornerCoords.size(), 3 * surface.triangles.size());
+    std::size_t unbroken = 0;
+    for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+        bool whole = true;
+        for (int c = 0; c < 3; ++c) {
+            const std::size_t i = 3 * t + std::size_t(c);
+            const Vec2f d = map.cornerCoords[3 * t + std::size_t((c + 1) % 3)] - map.cornerCoords[i];
+            const float l = length(surface.points[std::size_t(surface.triangles[t][c])] -
+                                   surface.points[std::size_t(surface.triangles[t][(c + 1) % 3])]);
+            EXPECT_LT(std::hypot(d.x, d.y), 2.2 * double(l) + 1.0);
+            // Gradients are tangent and of the scale of the sample.
+            const Vec3f n = surface.normals[std::size_t(surface.triangles[t][c])];
+            EXPECT_NEAR(dot(map.gradientX[i], n), 0, 1e-3);
+            EXPECT_GT(length(map.gradientX[i]), 0.3f);
+            EXPECT_LT(length(map.gradientX[i]), 3.0f);
+            const int a = s.graph.triangles[t][c], b = s.graph.triangles[t][(c + 1) % 3];
+            for (int k = s.graph.first[std::size_t(a)]; k < s.graph.first[std::size_t(a) + 1]; ++k) {
+                whole = whole && !(s.graph.neighbour[std::size_t(k)] == b && s.coords.broken[std::size_t(k)]);
+            }
+        }
+        if (whole) {
+            ++unbroken;
+            for (int c = 0; c < 3; ++c) {
+                // What the vertex shows, whichever triangle asks.
+                const Vec2f shown = s.coords.coord[std::size_t(s.graph.triangles[t][c])];
+                const Vec2f d = nearestImage(map.cornerCoords[3 * t + std::size_t(c)] - shown, map.tileMm);
+                EXPECT_LT(std::hypot(d.x, d.y), 1e-3);
+            }
+        }
+    }
+    EXPECT_GT(unbroken, surface.triangles.size() * 8 / 10);
+}
+
+TEST(Synthesize, DoesNotDependOnThreadsButOnTheSeed) {
+    const BaseVolume v = waves(32);
+    const RefinedSurface surface = sampledTorus(1.0);
+    setThreadCount(1);
+    const Synthesis one = synthesized(surface, v);
+    setThreadCount(4);
+    const Synthesis four = synthesized(surface, v);
+    setThreadCount(0);
+    EXPECT_EQ(one.coords.coord, four.coords.coord);
+    EXPECT_EQ(one.coords.broken, four.coords.broken);
+    EXPECT_NE(one.coords.coord, synthesized(surface, v, 1).coords.coord);
+}
+
+TEST(Synthesize, FollowsAnAuthoredTangentField) {
+    const BaseVolume v = waves(32);
+    const RefinedSurface surface = refinedOf(rectangle(20, 20, 40, 40));
+    SynthesisOptions options;
+    const Vec3f wanted = normalize(Vec3f(1, 1, 0));
+    options.orientation.assign(surface.points.size(), wanted);
+    Progress progress;
+    const Synthesis s = synthesize(surface, v, 1, options, progress);
+    for (const Vec3f& g : exemplarMap(s).gradientX) {
+        EXPECT_GT(dot(normalize(g), wanted), 0.97f);
+    }
+}
+
+TEST(Synthesize, StopsWhenCancelled) {
+    Progress progress;
+    progress.cancel();
+    EXPECT_THROW(synthesize(refinedOf(rectangle(8, 8, 16, 16)), waves(16), 1, {}, progress), Cancelled);
+}
+
+TEST(Synthesize, RefusesWhatItCannotUse) {
+    Progress progress;
+    const RefinedSurface plane = refinedOf(rectangle(1, 1, 2, 2));
+    EXPECT_THROW(synthesize(plane, waves(8), 0, {}, progress), Error);
+    EXPECT_THROW(synthesize(RefinedSurface(), waves(8), 1, {}, progress), Error);
+    SynthesisOptions options;
+    options.orientation.resize(2);
+    EXPECT_THROW(synthesize(plane, waves(8), 1, options, progress), Error);
+}
+
+TEST(Synthesize, TakesTinyTilesOpenMeshesAndLoneParts) {
+    // A tile of one column, and one narrower than a patch.
+    for (int n : {1, 5}) {
+        const Synthesis s = synthesized(refinedOf(rectangle(8, 8, 20, 20)), waves(n));
+        EXPECT_EQ(measure(s, exemplarMap(s)).foldOvers, 0u);
+    }
+    ControlMesh two = rectangle(3, 3, 6, 6);
+    const int base = int(two.points.size());
+    two.points.insert(two.points.end(), {{50, 0, 0}, {51, 0, 0}, {50, 1, 0}});
+    addFace(two, {base, base + 1, base + 2});
+    two.uvs.clear();
+    two.uvIndices.clear();
+    const Synthesis s = synthesized(refinedOf(two), waves(16));
+    for (const Vec2f& c : s.coords.coord) {
+        EXPECT_TRUE(std::isfinite(c.x) && std::isfinite(c.y));
+    }
+}
+
+TEST(CoherencePasses, LowerTheErrorOfABadCut) {
+    const BaseVolume v = waves(32);
+    const RefinedSurface surface = sampledTorus(1.0);
+    Synthesis s = synthesized(surface, v);
+    // Every vertex takes the first chart that holds it, wherever that leaves the seams.
+    const std::vector<Vec2f> offset = [&] {
+        std::vector<Vec2f> of(s.cover.charts.size());
+        for (std::size_t i = 0; i < s.graph.size(); ++i) {
+            of[std::size_t(s.cover.chart[std::size_t(s.labels.entry[i])])] = s.labels.offset[i];
+        }
+        return of;
+    }();
+    for (std::size_t i = 0; i < s.graph.size(); ++i) {
+        s.labels.entry[i] = s.cover.first[i];
+        s.labels.offset[i] = offset[std::size_t(s.cover.chart[std::size_t(s.cover.first[i])])];
+    }
+    const auto error = [&] {
+        Progress progress;
+        s.coords = healBreaks(s.graph, s.steps, s.cover, s.exemplar, s.labels, 1, progress);
+        return measure(s, exemplarMap(s)).neighbourhoodError;
+    };
+    const double before = error();
+    Progress progress;
+    EXPECT_GT(correctByCoherence(s.graph, s.steps, s.cover, s.exemplar, {}, s.labels, progress), 0u);
+    EXPECT_LT(error(), before);
+}
