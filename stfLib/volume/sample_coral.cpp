@@ -57,10 +57,10 @@ BaseVolume makeCoral(const SampleOptions& options) {
         // Pigment where the living layer was: near the outer surface, least on the crests between holes.
         const double shade = std::clamp(0.5 + 0.7 * noise.fractal(mm, 2, 4, 10), 0.0, 1.0);
         const double living = smoothStep(3.2, 0.2, mm.z - top);
-        const Vec3d sigmaA = kPale + kPigment * (0.10 + 0.55 * shade * living);
+        const Vec3d sigmaA = kPale + kPigment * (0.15 + 1.1 * shade * living);
         setMedium(v, i, sigmaA, kExtinction, double(v.surface[i]) > v.voxelMm.x ? 0.0 : 1.0);
     });
-    v.coreSigmaA = kPale + kPigment * 0.10;
+    v.coreSigmaA = kPale + kPigment * 0.15;
     v.coreSigmaSPrime = Vec3d(kExtinction) - v.coreSigmaA;
     return v;
 }

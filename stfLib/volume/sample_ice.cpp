@@ -16,7 +16,7 @@ const Vec3d kIce{1.4e-4, 5.2e-5, 8e-6};
 constexpr double kIor = 1.31;
 // Bubbles scatter as spheres: sigma_s = 1.5 f / r for a share f of air in bubbles of radius r, and g = 0.86 (Mullen &
 // Warren 1988, "Theory of the optical properties of lake ice", J. Geophys. Res. 93); here as sigma_s' with g = 0.
-// Clear ice: f = 0.1 %, r = 0.5 mm. Bands of white ice: f = 5 %, r = 0.3 mm.
+// Shares and radii in makeIce() are those of clear ice, white ice, clouds of bubbles and cracks.
 double reducedScattering(double airShare, double radiusMm) {
     return 1.5 * airShare / radiusMm * (1 - 0.86);
 }
