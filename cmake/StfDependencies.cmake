@@ -59,6 +59,12 @@ endforeach()
 
 # Readers of meshes (layer acquire). Debian's config names a folder of headers that a package may not have.
 find_package(assimp 5 REQUIRED CONFIG)
+# Drawings of the tools: sheets of materials and volumes.
+find_path(CAIRO_INCLUDE_DIR cairo.h PATH_SUFFIXES cairo REQUIRED)
+find_library(CAIRO_LIBRARY cairo REQUIRED)
+add_library(stf_cairo INTERFACE)
+target_include_directories(stf_cairo SYSTEM INTERFACE ${CAIRO_INCLUDE_DIR})
+target_link_libraries(stf_cairo INTERFACE ${CAIRO_LIBRARY})
 
 # Readers of scans. ITK's configuration prints pages about programs of other packages.
 find_package(ZLIB REQUIRED)

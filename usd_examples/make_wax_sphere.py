@@ -17,16 +17,16 @@ RADIUS = 2.5  # cm
 CELLS = 4  # along an edge of the cube
 
 
-def sphere():
+def sphere(radius=RADIUS, cells=CELLS):
     """Quad vertex indices, points, texture coordinates and their indices. The points are scaled until the limit
-    surface, not the cage, lies on the sphere."""
-    angles = np.tan(np.linspace(-np.pi / 4, np.pi / 4, CELLS + 1))
+    surface, not the cage, lies on the sphere. `cells` quads along an edge of the cube."""
+    angles = np.tan(np.linspace(-np.pi / 4, np.pi / 4, cells + 1))
     axes = np.eye(3)
     index_of, points, quads, uv_quads, uvs = {}, [], [], [], []
     for axis in range(3):
         for sign in (1, -1):
             across, up = axes[(axis + 1) % 3], sign * axes[(axis + 2) % 3]
-            names = np.empty((CELLS + 1, CELLS + 1), int)
+            names = np.empty((cells + 1, cells + 1), int)
             for i, a in enumerate(angles):
                 for j, b in enumerate(angles):
                     point = sign * axes[axis] + a * across + b * up
@@ -36,15 +36,15 @@ def sphere():
                         points.append(point / np.linalg.norm(point))
                     names[i, j] = index_of[key]
             first = len(uvs)
-            uvs += [(i / CELLS, j / CELLS) for i in range(CELLS + 1) for j in range(CELLS + 1)]
-            for i in range(CELLS):
-                for j in range(CELLS):
+            uvs += [(i / cells, j / cells) for i in range(cells + 1) for j in range(cells + 1)]
+            for i in range(cells):
+                for j in range(cells):
                     corners = ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1))
                     quads.append([names[c] for c in corners])
-                    uv_quads.append([first + c[0] * (CELLS + 1) + c[1] for c in corners])
-    quads, points = np.array(quads), np.array(points) * RADIUS
+                    uv_quads.append([first + c[0] * (cells + 1) + c[1] for c in corners])
+    quads, points = np.array(quads), np.array(points) * radius
     for _ in range(40):
-        points *= (RADIUS / np.linalg.norm(limit_points(quads, points), axis=1))[:, None]
+        points *= (radius / np.linalg.norm(limit_points(quads, points), axis=1))[:, None]
     return quads, points, np.array(uvs), np.array(uv_quads)
 
 

@@ -12,8 +12,8 @@ namespace stf {
 
 namespace {
 
-/// Samples along the depth of a voxel in which an open mesh has to be asked point by point.
-constexpr int kSlices = 8;
+/// Samples along each edge of a voxel in which an open mesh has to be asked point by point: 64 in all.
+constexpr int kSlices = 4;
 
 int wrap(int i, int n) {
     return (i % n + n) % n;
@@ -47,6 +47,33 @@ double depthAt(const Vec3d& a, const Vec3d& b, const Vec3d& c, double x, double 
 struct Span {
     int lo, hi;
 };
+
+/// The same surface in triangles of edges no longer than `longest`: a tree of compact triangles has compact nodes,
+/// which far away count as one. Stops at `most` triangles.
+TriangleMesh split(const TriangleMesh& mesh, double longest, std::size_t most) {
+    TriangleMesh result = mesh;
+    for (std::size_t i = 0; i < result.triangles.size() && result.triangles.size() < most;) {
+        int edge = 0;
+        double squares = 0;
+        for (int k = 0; k < 3; ++k) {
+            const Vec3d d = result.corner(i, (k + 1) % 3) - result.corner(i, k);
+            if (dot(d, d) > squares) {
+                squares = dot(d, d);
+                edge = k;
+            }
+        }
+        if (squares <= longest * longest) {
+            ++i;
+            continue;
+        }
+        const Vec3i t = result.triangles[i];
+        const int a = t[edge], b = t[(edge + 1) % 3], c = t[(edge + 2) % 3], middle = int(result.points.size());
+        result.points.push_back((result.points[std::size_t(a)] + result.points[std::size_t(b)]) * 0.5);
+        result.triangles[i] = {a, middle, c};
+        result.triangles.push_back({middle, b, c});
+    }
+    return result;
+}
 
 } // namespace
 
@@ -201,7 +228,8 @@ void MeshColumns::preparePatches() {
     // Winding number of the caps at the corners of voxels, as that of both less that of the mesh (the long triangles of
     // fans would be slow): where it rounds to the same number all around a voxel that no cap passes through, that is
     // the number for all of it.
-    tree_ = std::make_unique<TriangleTree>(mended_.mesh);
+    tree_ = std::make_unique<TriangleTree>(
+        split(mended_.mesh, length(box_.size()) / 24, 4 * mended_.mesh.triangles.size() + 1'000'000));
     std::vector<int> corner(nx * ny * std::size_t(n.z));
     const std::vector<char> ask = cornersToAsk(corner, patchSize_ + Vec3i(1));
     parallelFor(nx * ny, 16, [&](std::size_t begin, std::size_t end) {
@@ -252,18 +280,25 @@ void MeshColumns::preparePatches() {
             mixed.push_back(i);
         }
     }
-    smooth_.resize(mixed.size());
+    samples_.assign(mixed.size(), 0);
     parallelFor(mixed.size(), 64, [&](std::size_t begin, std::size_t end) {
         for (std::size_t m = begin; m < end; ++m) {
-            const Vec3d middle = middleOf(mixed[m]);
-            if (tree_->distance(middle * h, reach) < reach) {
-                continue;
+            const Vec3d corner0 = middleOf(mixed[m]) - Vec3d(0.5);
+            const bool smooth = tree_->distance((corner0 + Vec3d(0.5)) * h, reach) >= reach;
+            double c[8] = {};
+            for (int k = 0; smooth && k < 8; ++k) {
+                c[k] = tree_->windingNumber((corner0 + Vec3d(k & 1, k >> 1 & 1, k >> 2)) * h);
             }
-            for (int k = 0; k < 8; ++k) {
-                const Vec3d offset((k & 1) - 0.5, (k >> 1 & 1) - 0.5, (k >> 2) - 0.5);
-                smooth_[m][std::size_t(k)] = float(tree_->windingNumber((middle + offset) * h));
+            for (int s = 0; s < kSlices * kSlices * kSlices; ++s) {
+                const Vec3d f =
+                    (Vec3d(s % kSlices, s / kSlices % kSlices, s / (kSlices * kSlices)) + Vec3d(0.5)) / double(kSlices);
+                const auto mix = [](double a, double b, double t) { return a + (b - a) * t; };
+                const double winding = smooth ? mix(mix(mix(c[0], c[1], f.x), mix(c[2], c[3], f.x), f.y),
+                                                    mix(mix(c[4], c[5], f.x), mix(c[6], c[7], f.x), f.y), f.z)
+                                              : tree_->windingNumber((corner0 + f) * h);
+                samples_[m] |= std::uint64_t(winding > 0.5) << s;
             }
-            threshold_[mixed[m]] = kSmooth + int(m);
+            threshold_[mixed[m]] = kMixed + int(m);
         }
     });
 }
@@ -355,7 +390,6 @@ void MeshColumns::inside(int x, int y, const std::vector<Vec2d>& lines, std::vec
 void MeshColumns::insideOpen(int u, int v, const Vec2d& at, int line, const Crossing* begin, const Crossing* end,
                              std::vector<Stretch>& out) const {
     const Vec3d h = grid_.voxelMm;
-    const double x = (u + at.x) * h.x, y = (v + at.y) * h.y;
     const auto add = [&](double from, double to) {
         if (from < to) {
             if (!out.empty() && out.back().line == line && out.back().to == from) {
@@ -390,18 +424,11 @@ void MeshColumns::insideOpen(int u, int v, const Vec2d& at, int line, const Cros
             }
             continue;
         }
+        const std::uint64_t samples = samples_[std::size_t(limit - kMixed)];
+        const int place =
+            std::min(int(at.x * kSlices), kSlices - 1) + kSlices * std::min(int(at.y * kSlices), kSlices - 1);
         for (int k = 0; k < kSlices; ++k) {
-            const double part = (k + 0.5) / kSlices, middle = top + part * h.z;
-            bool in = false;
-            if (limit >= kSmooth) {
-                const std::array<float, 8>& c = smooth_[std::size_t(limit - kSmooth)];
-                const auto mix = [](double a, double b, double t) { return a + (b - a) * t; };
-                in = mix(mix(mix(c[0], c[1], at.x), mix(c[2], c[3], at.x), at.y),
-                         mix(mix(c[4], c[5], at.x), mix(c[6], c[7], at.x), at.y), part) > 0.5;
-            } else {
-                in = tree_->windingNumber({x, y, middle}) > 0.5;
-            }
-            if (in) {
+            if (samples >> (place + kSlices * kSlices * k) & 1) {
                 add(top + double(k) / kSlices * h.z, top + double(k + 1) / kSlices * h.z);
             }
         }

@@ -4,7 +4,6 @@
 #include "stfLib/acquire/mesh_repair.h"
 #include "stfLib/acquire/mesh_tree.h"
 
-#include <array>
 #include <cstdint>
 #include <memory>
 
@@ -57,13 +56,13 @@ private:
     void capWinding(int u, int v, const std::vector<int>& depths, double* out) const;
     /// Sets the thresholds at those of n corners where blocks of voxels tell them; the others are to be asked.
     std::vector<char> cornersToAsk(std::vector<int>& corner, const Vec3i& n) const;
-    /// Winding number from which on a voxel is inside, that of an open mesh; kMixed: not the same throughout it;
-    /// kSmooth + i: no triangle of the mesh is near, smooth_[i] are generalised winding numbers at its corners.
+    /// Winding number from which on a voxel is inside, that of an open mesh; kMixed + i: not the same throughout it,
+    /// samples_[i] tell.
     int threshold(int unwrappedX, int unwrappedY, int z) const;
     void insideOpen(int unwrappedX, int unwrappedY, const Vec2d& at, int line, const Crossing* begin,
                     const Crossing* end, std::vector<Stretch>& out) const;
 
-    static constexpr int kMixed = 1 << 20, kSmooth = kMixed + 1;
+    static constexpr int kMixed = 1 << 20;
     MendedMesh mended_;
     TriangleMesh closed_; ///< mesh and caps
     TileGrid grid_;
@@ -73,7 +72,7 @@ private:
     std::unique_ptr<TriangleTree> caps_, tree_; ///< of an open mesh
     Vec3i patchFrom_, patchSize_{0, 0, 0};      ///< unwrapped voxels around an open mesh
     std::vector<int> threshold_;
-    std::vector<std::array<float, 8>> smooth_;
+    std::vector<std::uint64_t> samples_; ///< a bit for each of 4 x 4 x 4 places: inside
 };
 
 } // namespace stf

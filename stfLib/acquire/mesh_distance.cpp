@@ -42,6 +42,52 @@ TriangleMesh boundary(const TriangleMesh& mesh, const TileGrid& grid) {
     return result;
 }
 
+/// The triangles of a relief that its upper envelope shows, at least at a corner or in the middle, and a floor where it
+/// has none. What hides below would make distances short.
+TriangleMesh envelope(const CoverBody& body, const TileGrid& grid) {
+    const MeshColumns& relief = *body.meshes.front();
+    const TriangleMesh all = boundary(relief.mended().mesh, grid);
+    const Vec3d h = grid.voxelMm, extent = grid.extentMm();
+    const auto shown = [&](Vec3d p) {
+        p.x -= extent.x * std::floor(p.x / extent.x);
+        p.y -= extent.y * std::floor(p.y / extent.y);
+        const int x = std::min(int(p.x / h.x), grid.size.x - 1), y = std::min(int(p.y / h.y), grid.size.y - 1);
+        return relief.first(x, y, {{p.x / h.x - x, p.y / h.y - y}})[0] >= p.z - 0.01 * h.z;
+    };
+    std::vector<char> kept(all.triangles.size(), 0);
+    parallelFor(kept.size(), 256, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const Vec3d &a = all.corner(i, 0), &b = all.corner(i, 1), &c = all.corner(i, 2);
+            const Vec3d middle = (a + b + c) / 3.0, normal = normalize(cross(b - a, c - a));
+            // A wall is seen from one of its sides.
+            const Vec3d aside = Vec3d(normal.x, normal.y, 0) * (0.01 * std::min(h.x, h.y));
+            for (const Vec3d& p : {middle, a * 0.9 + middle * 0.1, b * 0.9 + middle * 0.1, c * 0.9 + middle * 0.1}) {
+                kept[i] = kept[i] || shown(p) || shown(p + aside) || shown(p - aside);
+            }
+        }
+    });
+    TriangleMesh result;
+    result.points = all.points;
+    for (std::size_t i = 0; i < kept.size(); ++i) {
+        if (kept[i]) {
+            result.triangles.push_back(all.triangles[i]);
+        }
+    }
+    for (int y = 0; y < grid.size.y; ++y) {
+        for (int x = 0; x < grid.size.x; ++x) {
+            if (std::isinf(relief.first(x, y, kMiddle)[0])) {
+                const int first = int(result.points.size());
+                for (int k = 0; k < 4; ++k) {
+                    result.points.push_back({(x + (k & 1)) * h.x, (y + (k >> 1)) * h.y, body.reliefFloor});
+                }
+                result.triangles.push_back({first, first + 1, first + 2});
+                result.triangles.push_back({first + 1, first + 3, first + 2});
+            }
+        }
+    }
+    return result;
+}
+
 /// A tree of triangles that repeats with the tile.
 class PeriodicTree {
 public:
@@ -186,7 +232,7 @@ std::vector<float> signedDistance(const CoverBody& body, const TileGrid& grid, P
             result[i] = float(-(double(i / layer) + 0.5) * grid.voxelMm.z);
         }
     } else if (body.kind == CoverBody::Kind::Relief) {
-        const PeriodicTree tree(boundary(body.meshes.front()->mended().mesh, grid), grid);
+        const PeriodicTree tree(envelope(body, grid), grid);
         return distances(tree, false, grid, progress, [&](int x, int y, std::vector<Stretch>& out) {
             bodyStretches(body, grid, x, y, kMiddle, out);
         });

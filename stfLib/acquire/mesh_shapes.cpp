@@ -128,7 +128,9 @@ TriangleMesh layer(const MeshSource& s, const Vec3d& extentMm) {
                     top += wave(x % n, y % n, 0);
                     bottom += wave(x % n, y % n, 1);
                 }
-                m.points.push_back({extentMm.x * x / n, extentMm.y * y / n, side ? top : std::min(bottom, top)});
+                // Where the waves would cross, next to nothing is left of the layer: a film keeps it one closed body.
+                m.points.push_back(
+                    {extentMm.x * x / n, extentMm.y * y / n, side ? top : std::min(bottom, top - 1e-6 * extentMm.z)});
             }
         }
     }

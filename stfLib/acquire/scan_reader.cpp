@@ -4,6 +4,7 @@
 #include "stfLib/acquire/scan_inr.h"
 #include "stfLib/acquire/scan_itk.h"
 #include "stfLib/acquire/scan_raw.h"
+#include "stfLib/acquire/scan_vdb.h"
 
 #include <algorithm>
 #include <cctype>
@@ -46,6 +47,9 @@ std::unique_ptr<ScanReader> open(const std::string& path, const ScanReadOptions&
     }
     if (endsWith(name, ".inr") || endsWith(name, ".inr.gz")) {
         return openInr(path);
+    }
+    if (endsWith(name, ".vdb")) {
+        return openVdb(path, options.grid, messages);
     }
     if (endsWith(name, ".raw") || endsWith(name, ".raw.gz") || endsWith(name, ".bin")) {
         throw Error("a file without a header needs its size and type (--dims, --type)");

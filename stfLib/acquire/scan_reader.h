@@ -23,6 +23,7 @@ struct ScanReadOptions {
     bool raw = false; ///< read by `layout`, whatever the name
     RawLayout layout;
     std::string series; ///< UID of a DICOM series; empty: the only one
+    std::string grid;   ///< of an OpenVDB file; empty: "density", or the only one of floats
 };
 
 /// What a file says of itself, without its voxels.
@@ -50,9 +51,9 @@ protected:
     ScanHeader header_;
 };
 
-/// Opens a scan: INR (.inr, .inr.gz), NIfTI, NRRD, MetaImage, TIFF (pages), DICOM, a folder of DICOM or TIFF slices, or
-/// raw by `options`. Throws Error that starts with the path: missing, unknown format, more than one value per voxel,
-/// more than three dimensions, several series, sizes that cannot be.
+/// Opens a scan: INR (.inr, .inr.gz), NIfTI, NRRD, MetaImage, TIFF (pages), DICOM, OpenVDB, a folder of DICOM or TIFF
+/// slices, or raw by `options`. Throws Error that starts with the path: missing, unknown format, more than one value
+/// per voxel, more than three dimensions, several series, sizes that cannot be.
 std::unique_ptr<ScanReader> openScan(const std::string& path, const ScanReadOptions& options,
                                      const MessageSink& messages = {});
 

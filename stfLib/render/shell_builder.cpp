@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stfLib/render/shell_builder.h"
 
+#include "stfLib/optics/property_table.h"
 #include "stfLib/synthesis/choose_mapping.h"
 #include "stfLib/synthesis/synthesize.h"
 #include "stfLib/transport/precompute.h"
 #include "stfLib/volume/volume_io.h"
+#include "stfLib/volume/volume_statistics.h"
 
 #include <chrono>
 #include <filesystem>
@@ -26,27 +28,18 @@ private:
 };
 
 // Mean diffusion length of the filled voxels, mm: the distance over which multiple scattering blurs shadows.
-double diffusionLengthMm(const BaseVolume& v) {
-    double sigmaA = 0, sigmaS = 0;
-    std::size_t filled = 0;
-    for (std::size_t i = 0; i < v.voxelCount(); ++i) {
-        if (maxComponent(v.extinction[i]) > 0) {
-            const double g = v.g.empty() ? 0 : double(v.g[i]);
-            const Rgb s = v.extinction[i] * v.albedo[i];
-            sigmaS += double(average(s)) * (1 - g);
-            sigmaA += double(average(v.extinction[i] - s));
-            ++filled;
-        }
-    }
-    if (!filled || !(sigmaS > 0)) {
+double blurLengthMm(const BaseVolume& v) {
+    const MeanCoefficients mean = meanCoefficients(v);
+    const double sigmaA = average(mean.sigmaA), sigmaS = average(mean.sigmaSPrime);
+    if (!(sigmaS > 0)) {
         return 0;
     }
-    sigmaA /= double(filled);
-    sigmaS /= double(filled);
     return sigmaA > 0 ? 1 / std::sqrt(3 * sigmaA * (sigmaA + sigmaS)) : 1e9;
 }
 
-CoreMaterial coreOf(const StfBinding& binding, const BaseVolume& volume, std::string& why) {
+// The core of the base volume, unless the binding names a material or coefficients; the latter win.
+CoreMaterial coreOf(const StfBinding& binding, const BaseVolume& volume, std::string& why,
+                    const MessageSink& messages) {
     CoreMaterial core;
     if (binding.coreModel == "none") {
         why = "coreModel is none";
@@ -54,6 +47,16 @@ CoreMaterial coreOf(const StfBinding& binding, const BaseVolume& volume, std::st
     }
     core.sigmaA = volume.coreSigmaA;
     core.sigmaSPrime = volume.coreSigmaSPrime;
+    if (!binding.coreMaterial.empty()) {
+        try {
+            const Material material = PropertyTable::builtIn().find(binding.coreMaterial);
+            core.sigmaA = material.sigmaA;
+            core.sigmaSPrime = material.sigmaSPrime();
+        } catch (const Error& e) {
+            report(messages, Severity::Error,
+                   std::string("stf:coreMaterial: ") + e.what() + "; the core of the base volume is used");
+        }
+    }
     if (binding.coreSigmaA) {
         core.sigmaA = Vec3d(*binding.coreSigmaA);
     }
@@ -210,7 +213,7 @@ std::shared_ptr<ShellObject> ShellBuilder::build(const std::string& id, const Co
     const float thickness = o.thicknessMm / o.mmPerUnit;
 
     std::string coreWhy;
-    o.core = coreOf(binding, *o.volume, coreWhy);
+    o.core = coreOf(binding, *o.volume, coreWhy, messages);
     o.coreBlack = !o.core.scatters();
 
     Timer precompute;
@@ -291,7 +294,7 @@ std::shared_ptr<ShellObject> ShellBuilder::build(const std::string& id, const Co
     note("shell", true, std::to_string(o.grid.sampleCount()) + " samples", shell.seconds());
 
     note("core", !o.coreBlack, coreWhy, 0);
-    o.blurRadiusMm = float(std::min(diffusionLengthMm(*o.volume), double(o.thicknessMm)));
+    o.blurRadiusMm = float(std::min(blurLengthMm(*o.volume), double(o.thicknessMm)));
     return object;
 }
 

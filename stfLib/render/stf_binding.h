@@ -15,7 +15,7 @@ struct StfBinding {
     float thickness = 0;      ///< object units; 0: the sample's own depth times scale
     float scale = 1;
     std::string mapping = "auto";
-    std::string coreMaterial;
+    std::string coreMaterial;           ///< a name in the table of materials (optics/property_table.h); empty: none
     std::optional<Rgb> coreSigmaA;      ///< 1/mm
     std::optional<Rgb> coreSigmaSPrime; ///< 1/mm
     std::string coreModel = "auto";

@@ -26,9 +26,7 @@ struct SampleInfo {
 };
 const std::vector<SampleInfo>& sampleNames();
 
-/// Makes a modelled base volume. `marble`: Jensen et al. 2001 marble (SIGGRAPH, table 1) with darker veins of
-/// domain-warped ridged noise; `wax`: a warm wax whose top carries a raised pattern with the symmetry of the square, so
-/// that tiles fit along any edge; `uniform`: homogeneous, by the options. All are periodic in x and y.
+/// Makes a modelled base volume: one of sampleNames(), each described in volume/samples.h. All are periodic in x and y.
 /// Deterministic by seed. Throws Error for an unknown name or an absurd size.
 BaseVolume makeSample(const std::string& name, const SampleOptions& options);
 

@@ -34,6 +34,8 @@ openvdb::GridBase::Ptr make(const std::vector<T>& values, const Vec3i& size, con
     map->preScale(openvdb::Vec3d(voxelMm.x, voxelMm.y, voxelMm.z));
     map->postTranslate(openvdb::Vec3d(0.5 * voxelMm.x, 0.5 * voxelMm.y, 0.5 * voxelMm.z));
     grid->setTransform(map);
+    // For other programs: vectors are colours, that turn with nothing.
+    grid->setVectorType(openvdb::VEC_INVARIANT);
     return grid;
 }
 

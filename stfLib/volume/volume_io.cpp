@@ -75,17 +75,20 @@ void writeBaseVolume(const BaseVolume& v, const std::string& path) {
     validate(v);
     initializeOpenVdb();
     openvdb::GridPtrVec grids;
-    const auto add = [&](const auto& values, const char* name) {
+    // Classes are for other programs, which draw by them.
+    const auto add = [&](const auto& values, const char* name, openvdb::GridClass gridClass = openvdb::GRID_UNKNOWN) {
         if (!values.empty()) {
-            grids.push_back(toGrid(values, v.size, v.voxelMm, name));
+            const openvdb::GridBase::Ptr grid = toGrid(values, v.size, v.voxelMm, name);
+            grid->setGridClass(gridClass);
+            grids.push_back(grid);
         }
     };
-    add(v.extinction, "extinction");
+    add(v.extinction, "extinction", openvdb::GRID_FOG_VOLUME);
     add(v.albedo, "albedo");
     add(v.g, "g");
     add(v.ior, "ior");
-    add(v.surface, "surface");
-    add(v.emission, "emission");
+    add(v.surface, "surface", openvdb::GRID_LEVEL_SET);
+    add(v.emission, "emission", openvdb::GRID_FOG_VOLUME);
     const auto vec3d = [](const Vec3d& x) { return openvdb::Vec3DMetadata(openvdb::Vec3d(x.x, x.y, x.z)); };
     openvdb::MetaMap metadata;
     metadata.insertMeta("stf:version", openvdb::Int32Metadata(kVersion));

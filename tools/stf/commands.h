@@ -13,10 +13,12 @@ enum ExitCode { kDone = 0, kFailed = 2, kUsage = 64 };
 /// Each adds one command to the program; the callback does the work and throws stf::Error on failure.
 void addMakeCommand(CLI::App& app);
 void addPrecomputeCommand(CLI::App& app);
+void addImportCommand(CLI::App& app);
 void addInspectCommand(CLI::App& app);
 void addCacheCommand(CLI::App& app);
 void addSlabCommand(CLI::App& app);
 void addMapCommand(CLI::App& app);
+void addMaterialsCommand(CLI::App& app);
 void addSynthesizeCommand(CLI::App& app);
 void addAcquireCommand(CLI::App& app);
 

@@ -12,10 +12,12 @@ int main(int argc, char** argv) {
     app.require_subcommand(1);
     stf::addMakeCommand(app);
     stf::addPrecomputeCommand(app);
+    stf::addImportCommand(app);
     stf::addInspectCommand(app);
     stf::addCacheCommand(app);
     stf::addSlabCommand(app);
     stf::addMapCommand(app);
+    stf::addMaterialsCommand(app);
     stf::addSynthesizeCommand(app);
     stf::addAcquireCommand(app);
     try {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "tools/srgb.h"
 #include "tools/stfrecord/atomicFile.h"
 #include "tools/stfrecord/image.h"
 
@@ -10,21 +11,9 @@
 #pragma GCC diagnostic pop
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
 
 namespace stfrecord {
-namespace {
-
-/// IEC 61966-2-1.
-unsigned char srgb(float linear) {
-    const float x = linear > 0 ? std::min(linear, 1.0f) : 0.0f; // NaN too becomes 0
-    const float y = x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1 / 2.4f) - 0.055f;
-    return static_cast<unsigned char>(std::lround(255 * y));
-}
-
-} // namespace
-
 void writePng(const Image& image, const std::string& path) {
     const auto color = std::find_if(image.layers.begin(), image.layers.end(),
                                     [](const Layer& layer) { return layer.name == "color" && layer.channels >= 3; });
@@ -35,7 +24,7 @@ void writePng(const Image& image, const std::string& path) {
     std::vector<unsigned char> bytes(3 * pixels);
     for (std::size_t i = 0; i < pixels; ++i) {
         for (std::size_t c = 0; c < 3; ++c) {
-            bytes[3 * i + c] = srgb(color->floats[i * static_cast<std::size_t>(color->channels) + c]);
+            bytes[3 * i + c] = stf::srgbByte(color->floats[i * static_cast<std::size_t>(color->channels) + c]);
         }
     }
     writeAtomically(path, [&](const std::string& temporary) {

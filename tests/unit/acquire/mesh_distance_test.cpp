@@ -141,6 +141,32 @@ TEST(MeshDistance, ReliefIsTheUpperEnvelopeOfAnOpenSheet) {
     }
 }
 
+TEST(MeshDistance, ReliefOfABodyKnowsNothingOfItsUndersideAndStandsOnAFloor) {
+    // A slab from depth 0.5 to 1.5 over the left half; to its right the floor, as deep as the slab reaches.
+    const Acquired a = acquired(R"({"size": [40, 40, 40], "voxel": 0.1, "matrix": {"name": "m", "sigma_s": 2},
+                                   "top": {"file": "a"}})",
+                                {boxMesh({2, 4, 1}, {1, 2, -1})});
+    EXPECT_NEAR(shareOf(a, "m"), 0.5 * (3.5 + 2.5) / 4, 1e-4);
+    ASSERT_EQ(a.messages.size(), 1u);
+    EXPECT_NE(a.messages[0].find("leaves 50 %"), std::string::npos) << a.messages[0];
+    const BaseVolume& v = a.volume;
+    for (int z = 0; z < 40; ++z) {
+        const double depth = (z + 0.5) * 0.1;
+        if (depth < 1.4) { // further down the floor beside it is nearer than the top
+            EXPECT_NEAR(v.surface[v.index(10, 20, z)], 0.5 - depth, 1e-5) << z;
+        }
+        if (depth > 0.6) {
+            EXPECT_NEAR(v.surface[v.index(30, 20, z)], 1.5 - depth, 1e-5) << z;
+        }
+        if (depth > 0.9 && depth < 1.1) { // beside its walls, on both sides
+            for (const int x : {22, 37}) {
+                EXPECT_NEAR(v.surface[v.index(x, 20, z)], 0.25, 1e-5) << x;
+                EXPECT_NEAR(v.surface[v.index(x == 22 ? 17 : 2, 20, z)], -0.25, 1e-5) << x;
+            }
+        }
+    }
+}
+
 TEST(MeshDistance, WallsBetweenNeighbouringTilesAreNoSurface) {
     const Acquired a = acquired(bodies(R"({"file": "a", "material": {"sigma_s": 1}, "body": true})"),
                                 {boxMesh({4, 4, 3}, {2, 2, -2.5})}); // from depth 1 to the bottom

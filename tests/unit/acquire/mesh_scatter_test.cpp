@@ -120,6 +120,7 @@ TEST(MeshShapes, HaveTheirVolumesAndAreClosed) {
     EXPECT_NEAR(volume(R"("shape": "box")"), 1, 1e-12);
     EXPECT_NEAR(volume(R"("shape": "layer", "depth": [1, 3.5])"), 8 * 8 * 2.5, 1e-9);
     EXPECT_NEAR(volume(R"("shape": "layer", "depth": [1, 4], "wave": 0.3, "cells": 3)"), 8 * 8 * 3, 8 * 8 * 0.3);
+    EXPECT_GT(volume(R"("shape": "layer", "depth": [1, 1.1], "wave": 0.5)"), 0) << "sound where its waves cross, too";
 }
 
 TEST(MeshShapes, FitFillsTheTileInItsMiddle) {

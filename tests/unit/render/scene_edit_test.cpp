@@ -162,6 +162,44 @@ TEST_F(SceneEdits, TransformVisibilityAndRemovalEqualFreshRenderer) {
     EXPECT_LE(tables_, 2);
 }
 
+// A named core is the same as its coefficients; a name that is not in the table is told once, with near ones.
+TEST_F(SceneEdits, CoreMaterialByName) {
+    const auto with = [&](auto change) {
+        StfBinding binding;
+        binding.baseVolume = volume_;
+        binding.quality = 0.1f;
+        change(binding);
+        scene_.setStf("/shell", binding);
+    };
+    Renderer renderer(countingTables());
+    const std::vector<float> ofVolume = render(renderer);
+    with([](StfBinding& b) { b.coreMaterial = "ketchup"; });
+    const std::vector<float> named = render(renderer);
+    EXPECT_NE(named, ofVolume);
+    EXPECT_EQ(tables_, 1) << "the shell's tables do not depend on the core";
+    with([](StfBinding& b) {
+        b.coreSigmaA = Rgb(0.061f, 0.97f, 1.45f);
+        b.coreSigmaSPrime = Rgb(0.18f, 0.07f, 0.03f);
+    });
+    const std::vector<float> given = render(renderer);
+    for (std::size_t i = 0; i < named.size(); ++i) {
+        EXPECT_NEAR(named[i], given[i], 1e-5f * std::abs(given[i]));
+    }
+    with([](StfBinding& b) {
+        b.coreMaterial = "Ketchup";
+        b.coreSigmaSPrime = Rgb(1.0f);
+        b.coreSigmaA = Rgb(0.0f);
+    });
+    const std::vector<float> both = render(renderer);
+    EXPECT_GT(shellPixel(both).y, shellPixel(named).y) << "coefficients win over the name";
+    EXPECT_TRUE(messages_.empty());
+    with([](StfBinding& b) { b.coreMaterial = "Ketschup"; });
+    EXPECT_EQ(render(renderer), ofVolume);
+    EXPECT_EQ(messages_.size(), 1u);
+    EXPECT_TRUE(said("/shell: stf:coreMaterial", "Ketschup"));
+    EXPECT_TRUE(said("did you mean", "Ketchup"));
+}
+
 // Tables depend on the quality, the core's samples on the seed: a setting that changes is an edit too.
 TEST_F(SceneEdits, SettingsEqualFreshRenderer) {
     StfBinding binding;
