@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stfLib/acquire/mesh_recipe.h"
 
+#include "stfLib/optics/property_table.h"
+
 #include <cstdlib>
 #include <filesystem>
 #include <initializer_list>
@@ -137,15 +139,7 @@ MaterialChoice materialOf(const Place& p, const char* key) {
         choice.name = p.text(key);
         return choice;
     }
-    const Place m(p.get(key), p.at(key), {"name", "sigma_a", "sigma_s", "g", "ior"});
-    Material given;
-    given.name = m.has("name") ? m.text("name") : std::string(key);
-    given.sigmaA = m.triple("sigma_a", Vec3d(0.0), 0, 1e9);
-    given.sigmaS = m.triple("sigma_s", Vec3d(0.0), 0, 1e9);
-    given.g = m.number("g", 0, -0.9999, 0.9999);
-    given.ior = m.number("ior", 1, 0.1, 10);
-    given.source = "recipe";
-    choice.given = given;
+    choice.given = parseMaterial(p.get(key).dump(), p.at(key));
     return choice;
 }
 
@@ -279,7 +273,7 @@ MeshRecipe parseMeshRecipe(const std::string& text, const std::string& origin, c
     } catch (const json::exception& e) {
         throw Error(origin + ": is not JSON (" + e.what() + ")");
     }
-    const Place p(document, origin, {"about", "name", "size", "voxel", "matrix", "core", "top", "materials", "meshes"});
+    const Place p(document, origin, {"about", "name", "size", "voxel", "matrix", "core", "top", "table", "meshes"});
     MeshRecipe r;
     r.name = p.has("name") ? p.text("name") : "acquired";
     if (!p.has("size") || !p.has("voxel")) {
@@ -297,7 +291,7 @@ MeshRecipe parseMeshRecipe(const std::string& text, const std::string& origin, c
         r.matrix.name = "none";
     }
     topOf(p, origin, folder, r);
-    r.materials = p.text("materials");
+    r.materials = p.text("table");
     if (!r.materials.empty()) {
         r.materials = (std::filesystem::path(folder) / r.materials).string();
     }

@@ -124,17 +124,7 @@ Material readMaterial(const Json& json, const std::string& where, const Property
             throw Error("'" + where + "': " + e.what());
         }
     }
-    Keys keys(json, where);
-    Material m;
-    m.name = "material";
-    keys.text("name", m.name);
-    m.sigmaA = keys.triple("sigma_a", 0, 1e9).value_or(Vec3d(0.0));
-    m.sigmaS = keys.triple("sigma_s", 0, 1e9).value_or(Vec3d(0.0));
-    m.g = keys.number("g", -0.999, 0.999).value_or(0);
-    m.ior = keys.number("ior", 0.1, 10).value_or(1);
-    m.source = "recipe";
-    keys.done();
-    return m;
+    return parseMaterial(json.dump(), "'" + where + "'");
 }
 
 void readRaw(Keys& top, ScanRecipe& r) {

@@ -190,6 +190,31 @@ Material voidMaterial(const std::string& name) {
 
 } // namespace
 
+Material parseMaterial(const std::string& json, const std::string& where) {
+    Json value = parseJson(json);
+    if (!value.is_object()) {
+        throw Error(where + " is " + value.dump() + " where a material's name or its coefficients are expected");
+    }
+    const std::string given = textOf(value, "name");
+    value.erase("name");
+    if (value.contains("ior")) {
+        if (value.contains("eta")) {
+            throw Error(where + ": one of ior and eta is expected");
+        }
+        value["eta"] = value["ior"];
+        value.erase("ior");
+    }
+    if (!value.contains("sigma_a")) {
+        value["sigma_a"] = 0;
+    }
+    if (!value.contains("sigma_s") && !value.contains("sigma_s_prime")) {
+        value["sigma_s"] = 0;
+    }
+    Material m = materialOf(given.empty() ? "material" : given, value, where, 1);
+    m.source = "recipe";
+    return m;
+}
+
 Material withMeanCosine(const Material& material, double g) {
     Material m = material;
     m.sigmaS = material.sigmaSPrime() / (1 - meanCosine(g, material.name + ": g"));

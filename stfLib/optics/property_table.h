@@ -48,6 +48,11 @@ private:
     std::size_t own_ = 0;
 };
 
+/// A material written out in a recipe: a JSON object with the fields of a table's material (coefficients in 1/mm),
+/// where `ior` may stand for `eta`, and a `name`; coefficients that are left out are 0. Throws Error that begins with
+/// `where`, as PropertyTable::read does.
+Material parseMaterial(const std::string& json, const std::string& where);
+
 /// The same medium to diffusing light with another mean cosine: sigma_s' and sigma_a stay. -1 < g < 1, else Error.
 Material withMeanCosine(const Material& material, double g);
 

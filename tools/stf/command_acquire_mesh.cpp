@@ -88,7 +88,7 @@ MeshRecipe recipeOf(const Arguments& a) {
         j["core"] = materialOf(a.core);
     }
     if (!a.materials.empty()) {
-        j["materials"] = std::filesystem::absolute(a.materials).string();
+        j["table"] = std::filesystem::absolute(a.materials).string();
     }
     if (!a.size.empty()) {
         j["size"] = a.size;
@@ -171,7 +171,7 @@ void addAcquireMeshCommand(CLI::App& group) {
     command->add_option("--relief", a->relief, "FILE,fit,scale=..,...: its upper envelope is the tile's surface");
     command->add_option("--top", a->top, "flat, or geometry: that of the meshes marked body");
     command->add_option("--core", a->core, "Material below the tile; that of the matrix if not given");
-    command->add_option("--materials", a->materials, "A table of materials");
+    command->add_option("--table,--materials", a->materials, "A table of materials");
     command->add_option("--name", a->name, "Name of the volume");
     command->add_option("--max-memory", a->maxMemoryMb, "MB that may be taken")->check(CLI::PositiveNumber);
     command->add_option("--threads", a->threads, "0: all cores; the result does not depend on it")

@@ -25,7 +25,7 @@ std::string withMesh(const std::string& mesh) {
 TEST(MeshRecipe, SaysAllOfIt) {
     const MeshRecipe r = parsed(R"({"about": "x", "name": "n", "size": [3, 4, 5], "voxel": [0.1, 0.2, 0.3],
         "matrix": "Marble", "core": {"sigma_a": 0.5, "sigma_s": [1, 2, 3], "g": -0.2, "ior": 1.4}, "top": {"file": "t.obj",
-        "fit": true, "translate": [0, 0, -1]}, "materials": "m.json", "meshes": [{"file": "a.obj", "part": "p",
+        "fit": true, "translate": [0, 0, -1]}, "table": "m.json", "meshes": [{"file": "a.obj", "part": "p",
         "material": "Skim milk", "priority": -2, "fit": 0.5, "scale": [1, 2, 3], "rotate": [90, 0, 0], "translate": [1, 2, -3],
         "surface": true, "scatter": {"fraction": 0.2, "seed": 9, "scale": [0.5, 2], "turn": "vertical", "depth": [1, 2],
         "apart": true, "gap": 0.1}}, {"shape": "layer", "material": "x", "depth": [0.1, 0.4], "wave": 0.05, "cells": 3}]})");

@@ -147,4 +147,25 @@ TEST(PropertyTable, BadTablesAreToldByMaterialAndField) {
     expect(R"({"units": "1/mm", "mine": {"none": )" + soap + "}}", {"mine/none"});
 }
 
+TEST(PropertyTable, MaterialsAreWrittenOutInRecipes) {
+    const Material m = parseMaterial(
+        R"({"name": "resin", "sigma_a": [0.1, 0.2, 0.3], "sigma_s_prime": 2, "g": 0.5, "ior": 1.5})", "m");
+    EXPECT_EQ(m.name, "resin");
+    EXPECT_EQ(m.sigmaA, Vec3d(0.1, 0.2, 0.3));
+    EXPECT_EQ(m.sigmaS, Vec3d(4.0));
+    EXPECT_EQ(m.ior, 1.5);
+    EXPECT_TRUE(parseMaterial("{}", "m").isVoid());
+    const char* const bad[] = {
+        R"({"sigma_s": -1})",   R"({"sigma_s": 1, "g": 1})", R"({"sigmas": 1})", R"({"ior": 1, "eta": 1})", "3",
+        R"({"sigma_a": "red"})"};
+    for (const char* text : bad) {
+        try {
+            parseMaterial(text, "matrix");
+            ADD_FAILURE() << text;
+        } catch (const Error& e) {
+            EXPECT_EQ(std::string(e.what()).rfind("matrix", 0), 0u) << e.what();
+        }
+    }
+}
+
 } // namespace
