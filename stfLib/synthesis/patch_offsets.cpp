@@ -49,7 +49,7 @@ public:
         const double own = std::min(ex.ownError, kVisible);
         own2_ = float(std::max(own * own, 1e-4));
         // And where every seam is seen, repetition is the lesser evil.
-        variety_ = float(std::pow(kVisible / std::max(ex.ownError, kVisible), 4));
+        variety_ = float(std::pow(kVisible / std::max(ex.ownError, kVisible), 8));
         findCores();
     }
 

@@ -8,8 +8,9 @@ namespace stf {
 
 struct OffsetOptions {
     std::uint64_t seed = 0;
-    double repetition =
-        1.5;            ///< cost of showing the same place again nearby, in units of a seam as good as the sample's own
+    /// Cost of showing the same place again nearby, in units of a seam as good as the sample's own. Large: where places
+    /// are alike, seams hardly show, and repetition does.
+    double repetition = 40;
     double usage = 1.0; ///< cost of places used twice their share, in the same units
     int sweeps = 5;     ///< how often every chart chooses again, after the first time
 };

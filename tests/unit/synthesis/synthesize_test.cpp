@@ -22,6 +22,40 @@ TEST(Synthesize, APlaneOfATileIsOnePatch) {
     EXPECT_EQ(q.foldOvers, 0u);
 }
 
+TEST(Synthesize, APlaneOfManyTilesDoesNotRepeatWhatIsAlikeElsewhere) {
+    // 4 x 4 tiles of 20 mm; tiled plainly, every place would be shown again a tile further.
+    const int n = 160, tile = 40;
+    BaseVolume v = waves(tile);
+    for (Rgb& a : v.albedo) {
+        a = Rgb(0.97f) + (a - Rgb(0.97f)) * 0.25f; // so little contrast that any place looks much like another
+    }
+    const RefinedSurface surface = refinedOf(rectangle(80, 80, n, n));
+    const Synthesis s = synthesized(surface, v);
+    ASSERT_LT(s.exemplar.ownError, 2.5);
+    ASSERT_GT(s.exemplar.ownError, 0.1);
+    std::size_t repeated = 0, pairs = 0;
+    for (int y = 0; y <= n; ++y) {
+        for (int x = 0; x + tile <= n; ++x) {
+            // The field may point anywhere, so both ways along it are asked.
+            const std::size_t a = std::size_t(s.graph.vertexOfPoint[std::size_t(y * (n + 1) + x)]);
+            for (const auto& [dx, dy] : {std::pair(tile, 0), std::pair(0, tile)}) {
+                if (x + dx <= n && y + dy <= n) {
+                    const std::size_t b = std::size_t(s.graph.vertexOfPoint[std::size_t((y + dy) * (n + 1) + x + dx)]);
+                    const Vec3f step = s.graph.points[b] - s.graph.points[a];
+                    const Vec3f along = s.directions[a];
+                    const Vec2f moved(dot(step, along), dot(step, cross(s.graph.normals[a], along)));
+                    // Continued: coordinates differ by the step, whatever its direction.
+                    const Vec2f d = nearestImage(s.coords.coord[b] - s.coords.coord[a] - moved, s.exemplar.tileMm());
+                    repeated += std::hypot(d.x, d.y) < 1.0f;
+                    ++pairs;
+                }
+            }
+        }
+    }
+    EXPECT_LT(double(repeated), 0.4 * double(pairs));
+    EXPECT_LT(measure(s, exemplarMap(s)).seamRate, 0.06);
+}
+
 TEST(Synthesize, ATorusMeetsTheTargets) {
     const BaseVolume v = waves(48);
     const RefinedSurface surface = sampledTorus(0.5);
