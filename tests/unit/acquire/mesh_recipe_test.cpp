@@ -64,7 +64,7 @@ TEST(MeshRecipe, MistakesAreNamedWithTheirPlace) {
         {R"({"size": [8, 8, 1e9], "voxel": 1})", "not within 1 to 4096"},
         {R"({"size": 8, "voxel": 0})", "'voxel'"},
         {R"({"size": 8, "voxel": 1, "matrx": "Marble"})", "has no 'matrx'"},
-        {R"({"size": 8, "voxel": 1, "matrix": {"sigma_s": -1}})", "'matrix': 'sigma_s'"},
+        {R"({"size": 8, "voxel": 1, "matrix": {"sigma_s": -1}})", "'matrix': sigma_s is -1"},
         {R"({"size": 8, "voxel": 1, "top": "round"})", "'top'"},
         {withMesh(R"({"shape": "sphere"})"), "meshes[0]: a shape needs a 'material'"},
         {withMesh(R"({"file": "a", "shape": "sphere", "material": "x"})"), "one of them"},
