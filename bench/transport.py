@@ -33,7 +33,7 @@ def measure(build, quick, mitsuba_python, budget, names):
         folder = pathlib.Path(scratch)
         tile = stf.make_random(folder / "tile.vdb", **transport_mitsuba.RANDOM_TILE)
         volumes = [(name, samples / f"{name}.vdb") for name in ("marble", "wax")] + [("random", tile)]
-        limit = 1_000_000 if quick else 8_000_000
+        limit = 1_000_000 if quick else 150_000_000
         results["tables"] = transport_tables.error_against_time(
             stf, [v for v in volumes if v[0] in names], budget, limit)
         results["walks"] = transport_tables.collisions_per_second(stf, folder, 1 if quick else 3)

@@ -13,6 +13,8 @@ namespace {
 
 /// Photons side by side: a few vectors of the widest registers, so that one's latency hides behind the next.
 constexpr int kLanes = 64;
+/// The last few are walked in fewer lanes, of one vector: where paths differ by a thousand times, they take long.
+constexpr int kLastLanes = 8;
 /// Delta tracking steps per collision beyond which flights from voxel to voxel do better.
 constexpr double kMaxNullShare = 24;
 constexpr int kMaxLayers = 32;
@@ -137,26 +139,28 @@ public:
 namespace {
 
 // The state of all lanes; a lane without a photon has weight 0.
+template<int N>
 struct alignas(64) Lanes {
-    double x[kLanes], y[kLanes], z[kLanes];
-    double weight[kLanes], collided[kLanes];
-    double above[kLanes], below[kLanes], absorbed[kLanes]; // of this photon
-    float dx[kLanes], dy[kLanes], dz[kLanes];
-    std::int64_t photon[kLanes];
-    std::uint32_t step[kLanes];
-    double surfaces[kLanes]; // met since the last collision
+    double x[N], y[N], z[N];
+    double weight[N], collided[N];
+    double above[N], below[N], absorbed[N]; // of this photon
+    float dx[N], dy[N], dz[N];
+    std::int64_t photon[N], ended[N];
+    std::int64_t next; // photon to be walked
+    std::uint32_t step[N];
+    double surfaces[N]; // met since the last collision
 
     // Sums over photons.
-    double sumAbove[kLanes], sumBelow[kLanes], sumAbsorbed[kLanes], squareAbove[kLanes], squareBelow[kLanes],
-        squareAbsorbed[kLanes], specular[kLanes], roulette[kLanes], collisions[kLanes], lost[kLanes];
-    double straight[kLanes], straightCosine[kLanes]; // below without a collision, and times its cosine
+    double sumAbove[N], sumBelow[N], sumAbsorbed[N], squareAbove[N], squareBelow[N], squareAbsorbed[N], specular[N],
+        roulette[N], collisions[N], lost[N];
+    double straight[N], straightCosine[N]; // below without a collision, and times its cosine
 
     // Within a pass.
-    std::uint32_t r0[kLanes], r1[kLanes], r2[kLanes], r3[kLanes];
-    float flight[kLanes], newX[kLanes], newY[kLanes], newZ[kLanes], kappa[kLanes], coalbedo[kLanes], g[kLanes];
-    double toX[kLanes], toY[kLanes], toZ[kLanes], leaving[kLanes], chance[kLanes], real[kLanes], reflected[kLanes];
-    std::int32_t voxel[kLanes];
-    double born[kLanes], top[kLanes], bottom[kLanes], hit[kLanes], leavingStraight[kLanes];
+    std::uint32_t r0[N], r1[N], r2[N], r3[N];
+    float flight[N], newX[N], newY[N], newZ[N], kappa[N], coalbedo[N], g[N];
+    double toX[N], toY[N], toZ[N], leaving[N], chance[N], real[N], reflected[N];
+    std::int32_t voxel[N];
+    double born[N], top[N], bottom[N], hit[N], leavingStraight[N];
 };
 
 struct Job {
@@ -169,9 +173,10 @@ struct Job {
     const Progress* progress;
 };
 
-STF_LANE void drawNumbers(Lanes& s, const Job& job) {
+template<int N>
+STF_LANE void drawNumbers(Lanes<N>& s, const Job& job) {
     const std::uint32_t key0 = job.key0, key1 = job.key1;
-    for (int i = 0; i < kLanes; ++i) {
+    for (int i = 0; i < N; ++i) {
         const lane::Block b =
             lane::threefry(s.step[i], 0, std::uint32_t(s.photon[i]), std::uint32_t(s.photon[i] >> 32), key0, key1);
         s.r0[i] = b.r[0];
@@ -183,43 +188,45 @@ STF_LANE void drawNumbers(Lanes& s, const Job& job) {
 }
 
 // Where free flights end, and the material there. A column: in optical depth.
-STF_LANE void flyThroughColumn(Lanes& s, const LaneScene& scene) {
-    for (int i = 0; i < kLanes; ++i) {
+template<int N>
+STF_LANE void flyThroughColumn(Lanes<N>& s, const LaneScene& scene) {
+    for (int i = 0; i < N; ++i) {
         s.flight[i] = lane::exponential(s.r0[i]);
     }
-    for (int i = 0; i < kLanes; ++i) {
+    for (int i = 0; i < N; ++i) {
         s.toZ[i] = s.z[i] + double(s.dz[i]) * double(s.flight[i]);
         s.chance[i] = (double(std::int32_t(s.r3[i] >> 1)) + 0.5) * 0x1p-31;
     }
     if (scene.layers == 1) {
         return; // material as it was set
     }
-    for (int i = 0; i < kLanes; ++i) {
+    for (int i = 0; i < N; ++i) {
         s.voxel[i] = 0;
     }
     for (int k = 0; k + 1 < scene.layers; ++k) {
         const double edge = scene.edges[k];
-        for (int i = 0; i < kLanes; ++i) {
+        for (int i = 0; i < N; ++i) {
             s.voxel[i] += s.toZ[i] > edge ? 1 : 0;
         }
     }
     const float *const coalbedo = scene.coalbedo.data(), *const g = scene.g.data();
-    for (int i = 0; i < kLanes; ++i) {
+    for (int i = 0; i < N; ++i) {
         s.coalbedo[i] = coalbedo[s.voxel[i]];
         s.g[i] = g[s.voxel[i]];
     }
 }
 
 // A tile: a step of delta tracking. Extinction over the majorant is the chance of a real collision.
-STF_LANE void flyThroughTile(Lanes& s, const LaneScene& scene) {
+template<int N>
+STF_LANE void flyThroughTile(Lanes<N>& s, const LaneScene& scene) {
     const double mm = 1 / scene.majorant, sizeX = scene.size.x, sizeY = scene.size.y, depth = scene.depth;
     const double perX = scene.perMm[0] * mm, perY = scene.perMm[1] * mm, perZ = scene.perMm[2] * mm;
     const double inverseX = 1 / sizeX, inverseY = 1 / sizeY;
     const std::int32_t nx = scene.size.x, ny = scene.size.y, nz = scene.size.z;
-    for (int i = 0; i < kLanes; ++i) {
+    for (int i = 0; i < N; ++i) {
         s.flight[i] = lane::exponential(s.r0[i]);
     }
-    for (int i = 0; i < kLanes; ++i) {
+    for (int i = 0; i < N; ++i) {
         const double t = double(s.flight[i]), dz = double(s.dz[i]) * perZ;
         const double z = s.z[i] + dz * t;
         // What leaves stops at the face.
@@ -238,11 +245,11 @@ STF_LANE void flyThroughTile(Lanes& s, const LaneScene& scene) {
         s.voxel[i] = cx + nx * (cy + ny * cz);
     }
     const float* const extinction = scene.extinction;
-    for (int i = 0; i < kLanes; ++i) {
+    for (int i = 0; i < N; ++i) {
         s.kappa[i] = extinction[s.voxel[i]];
     }
     const double majorant = scene.majorant;
-    for (int i = 0; i < kLanes; ++i) {
+    for (int i = 0; i < N; ++i) {
         const double number = (double(std::int32_t(s.r3[i] >> 1)) + 0.5) * 0x1p-31;
         const double kappa = double(s.kappa[i]), share = number * majorant;
         s.real[i] = share < kappa ? 1.0 : 0.0;
@@ -253,7 +260,7 @@ STF_LANE void flyThroughTile(Lanes& s, const LaneScene& scene) {
     }
     if (scene.materialMask != 0) {
         const float *const coalbedo = scene.coalbedo.data(), *const g = scene.g.data();
-        for (int i = 0; i < kLanes; ++i) {
+        for (int i = 0; i < N; ++i) {
             s.coalbedo[i] = coalbedo[s.voxel[i]];
             s.g[i] = g[s.voxel[i]];
         }
@@ -261,10 +268,10 @@ STF_LANE void flyThroughTile(Lanes& s, const LaneScene& scene) {
 }
 
 // Directions after a scattering, whether or not there is one.
-template<bool Tile>
-STF_LANE void scatter(Lanes& s, const LaneScene& scene) {
+template<bool Tile, int N>
+STF_LANE void scatter(Lanes<N>& s, const LaneScene& scene) {
     if (scene.isotropic) {
-        for (int i = 0; i < kLanes; ++i) {
+        for (int i = 0; i < N; ++i) {
             const float z = 1.0f - 2.0f * lane::uniform(s.r1[i]);
             s.newZ[i] = z;
             if (Tile) {
@@ -276,7 +283,7 @@ STF_LANE void scatter(Lanes& s, const LaneScene& scene) {
         }
         return;
     }
-    for (int i = 0; i < kLanes; ++i) {
+    for (int i = 0; i < N; ++i) {
         const lane::Angle a = lane::scatterAngle(s.g[i], lane::uniform(s.r1[i]));
         const float u = lane::uniform(s.r2[i]);
         const float z = s.dz[i];
@@ -302,18 +309,18 @@ STF_LANE void scatter(Lanes& s, const LaneScene& scene) {
 }
 
 // Absorption, what leaves, roulette.
-template<bool Tile, bool Refracts>
-STF_LANE void settle(Lanes& s, const LaneScene& scene) {
+template<bool Tile, bool Refracts, int N>
+STF_LANE void settle(Lanes<N>& s, const LaneScene& scene) {
     const double depth = scene.depth, inverseIor = 1 / scene.ior;
     const double bottomShare = scene.openBottom ? 1.0 : 0.0;
     if (Refracts) {
         // By itself, lest the compiler branches around it.
-        for (int i = 0; i < kLanes; ++i) {
+        for (int i = 0; i < N; ++i) {
             s.reflected[i] = lane::fresnel(std::fabs(double(s.dz[i])), inverseIor).reflectance;
         }
     }
     // Flags are numbers, so that products choose: compilers make branches of anything more complicated.
-    for (int i = 0; i < kLanes; ++i) {
+    for (int i = 0; i < N; ++i) {
         const double z = s.toZ[i];
         const double top = z <= 0.0 ? 1.0 : 0.0, bottom = z >= depth ? 1.0 : 0.0;
         s.top[i] = top;
@@ -321,7 +328,7 @@ STF_LANE void settle(Lanes& s, const LaneScene& scene) {
         s.hit[i] = (1.0 - top - bottom) * (Tile ? s.real[i] : 1.0);
         s.z[i] = z > 0.0 ? (z < depth ? z : depth) : 0.0;
     }
-    for (int i = 0; i < kLanes; ++i) {
+    for (int i = 0; i < N; ++i) {
         const double w = s.weight[i], top = s.top[i], bottom = s.bottom[i], hit = s.hit[i], out = top + bottom;
         const double taken = w * double(s.coalbedo[i]) * hit;
         s.absorbed[i] += taken;
@@ -352,7 +359,7 @@ STF_LANE void settle(Lanes& s, const LaneScene& scene) {
         s.roulette[i] += left - after;
         s.weight[i] = after;
     }
-    for (int i = 0; i < kLanes; ++i) {
+    for (int i = 0; i < N; ++i) {
         const float hit = float(s.hit[i]), turn = 1.0f - 2.0f * float(s.top[i] + s.bottom[i]);
         s.dz[i] = hit > 0.0f ? s.newZ[i] : s.dz[i] * turn;
         if (Tile) {
@@ -361,7 +368,7 @@ STF_LANE void settle(Lanes& s, const LaneScene& scene) {
         }
     }
     if (Tile) {
-        for (int i = 0; i < kLanes; ++i) {
+        for (int i = 0; i < N; ++i) {
             s.x[i] = s.toX[i];
             s.y[i] = s.toY[i];
         }
@@ -369,10 +376,9 @@ STF_LANE void settle(Lanes& s, const LaneScene& scene) {
 }
 
 // Sums photons that ended and puts the next ones into their lanes.
-template<bool Tile, bool Refracts>
-STF_LANE void replace(Lanes& s, const LaneScene& scene, const Job& job) {
-    const std::int64_t end = std::int64_t(job.end);
-    for (int i = 0; i < kLanes; ++i) {
+template<bool Tile, bool Refracts, int N>
+STF_LANE void replace(Lanes<N>& s, const LaneScene& scene, const Job& job) {
+    for (int i = 0; i < N; ++i) {
         const bool ended = !(s.weight[i] > 0.0);
         const double a = ended ? s.above[i] : 0.0, b = ended ? s.below[i] : 0.0, c = ended ? s.absorbed[i] : 0.0;
         s.sumAbove[i] += a;
@@ -384,14 +390,24 @@ STF_LANE void replace(Lanes& s, const LaneScene& scene, const Job& job) {
         s.above[i] = ended ? 0.0 : s.above[i];
         s.below[i] = ended ? 0.0 : s.below[i];
         s.absorbed[i] = ended ? 0.0 : s.absorbed[i];
-        const std::int64_t next = s.photon[i] + (ended ? std::int64_t(kLanes) : std::int64_t(0));
-        s.photon[i] = next;
-        s.born[i] = ended && next < end ? 1.0 : 0.0;
+        s.ended[i] = ended ? 1 : 0;
+    }
+    // Whoever is free takes the next photon: long paths in one lane do not keep others from their work.
+    const std::int64_t end = std::int64_t(job.end);
+    std::int64_t next = s.next;
+    for (int i = 0; i < N; ++i) {
+        const std::int64_t ended = s.ended[i];
+        s.photon[i] = ended != 0 ? next : s.photon[i];
+        next += ended;
+    }
+    s.next = next < end ? next : end;
+    for (int i = 0; i < N; ++i) {
+        s.born[i] = s.ended[i] != 0 && s.photon[i] < end ? 1.0 : 0.0;
     }
     const bool below = scene.startZ > 0, crosses = Refracts && (!below || scene.openBottom);
     const bool random = Tile || scene.diffuse;
     if (random) {
-        for (int i = 0; i < kLanes; ++i) {
+        for (int i = 0; i < N; ++i) {
             // Block 1 of the photon's stream is for its start.
             const lane::Block b =
                 lane::threefry(0, 1, std::uint32_t(s.photon[i]), std::uint32_t(s.photon[i] >> 32), job.key0, job.key1);
@@ -404,7 +420,7 @@ STF_LANE void replace(Lanes& s, const LaneScene& scene, const Job& job) {
     const double sizeX = scene.size.x, sizeY = scene.size.y, startZ = scene.startZ, ior = scene.ior;
     const float direction[3] = {scene.direction[0], scene.direction[1], scene.direction[2]};
     const bool diffuse = scene.diffuse;
-    for (int i = 0; i < kLanes; ++i) {
+    for (int i = 0; i < N; ++i) {
         const bool born = s.born[i] > 0.0;
         float dx = direction[0], dy = direction[1], dz = direction[2];
         if (diffuse) {
@@ -450,16 +466,17 @@ STF_LANE void replace(Lanes& s, const LaneScene& scene, const Job& job) {
 }
 
 // What left through the bottom of a tile, into its columns.
-STF_LANE void scoreColumns(Lanes& s, const LaneScene& scene, const Job& job) {
+template<int N>
+STF_LANE void scoreColumns(Lanes<N>& s, const LaneScene& scene, const Job& job) {
     double any = 0;
-    for (int i = 0; i < kLanes; ++i) {
+    for (int i = 0; i < N; ++i) {
         any += s.leaving[i];
     }
     if (!(any > 0)) {
         return;
     }
     const int columns = scene.size.x * scene.size.y;
-    for (int i = 0; i < kLanes; ++i) {
+    for (int i = 0; i < N; ++i) {
         if (s.leaving[i] > 0) {
             const std::size_t at = std::size_t(s.voxel[i] % columns) * 3;
             job.below[at] += s.leaving[i] - s.leavingStraight[i];
@@ -469,16 +486,10 @@ STF_LANE void scoreColumns(Lanes& s, const LaneScene& scene, const Job& job) {
     }
 }
 
-template<bool Tile, bool Refracts>
-STF_LANE void walkAll(Lanes& s, const Job& job) {
+// Passes until all photons ended or, of many lanes, all but a few of the last ones.
+template<bool Tile, bool Refracts, int N>
+STF_LANE void walkOn(Lanes<N>& s, const Job& job) {
     const LaneScene& scene = *job.scene;
-    for (int i = 0; i < kLanes; ++i) {
-        // One before the first, ended: replaced at once.
-        s.photon[i] = std::int64_t(job.first) + i - kLanes;
-        s.coalbedo[i] = scene.coalbedo[0];
-        s.g[i] = scene.g[0];
-    }
-    replace<Tile, Refracts>(s, scene, job);
     for (unsigned pass = 1;; ++pass) {
         drawNumbers(s, job);
         if (Tile) {
@@ -496,10 +507,10 @@ STF_LANE void walkAll(Lanes& s, const Job& job) {
         }
         if (pass % 32 == 0) {
             double alive = 0;
-            for (int i = 0; i < kLanes; ++i) {
-                alive += s.weight[i];
+            for (int i = 0; i < N; ++i) {
+                alive += s.weight[i] > 0.0 ? 1.0 : 0.0;
             }
-            if (!(alive > 0)) {
+            if (s.next == std::int64_t(job.end) && (alive == 0 || (N > kLastLanes && alive <= kLastLanes))) {
                 return;
             }
             if (pass % 4096 == 0 && job.progress->cancelled()) {
@@ -509,20 +520,66 @@ STF_LANE void walkAll(Lanes& s, const Job& job) {
     }
 }
 
-using Kernel = void (*)(Lanes&, const Job&);
+// All lanes without a photon; the next one will be of this number.
+template<int N>
+STF_LANE void clear(Lanes<N>& s, const LaneScene& scene, std::uint64_t next) {
+    s = Lanes<N>{};
+    s.next = std::int64_t(next);
+    for (int i = 0; i < N; ++i) {
+        s.coalbedo[i] = scene.coalbedo[0];
+        s.g[i] = scene.g[0];
+    }
+}
+
+template<bool Tile, bool Refracts>
+STF_LANE void walkAll(Lanes<kLanes>& s, const Job& job) {
+    const LaneScene& scene = *job.scene;
+    clear(s, scene, job.first);
+    replace<Tile, Refracts>(s, scene, job);
+    walkOn<Tile, Refracts>(s, job);
+
+    // The last long paths, closer together.
+    Lanes<kLastLanes> last;
+    clear(last, scene, job.end);
+    int k = 0;
+    for (int i = 0; i < kLanes; ++i) {
+        if (s.weight[i] > 0.0) {
+            last.x[k] = s.x[i], last.y[k] = s.y[i], last.z[k] = s.z[i];
+            last.dx[k] = s.dx[i], last.dy[k] = s.dy[i], last.dz[k] = s.dz[i];
+            last.weight[k] = s.weight[i], last.collided[k] = s.collided[i], last.surfaces[k] = s.surfaces[i];
+            last.above[k] = s.above[i], last.below[k] = s.below[i], last.absorbed[k] = s.absorbed[i];
+            last.photon[k] = s.photon[i], last.step[k] = s.step[i];
+            ++k;
+        }
+    }
+    if (k == 0) {
+        return;
+    }
+    walkOn<Tile, Refracts>(last, job);
+    for (int i = 0; i < kLastLanes; ++i) {
+        s.sumAbove[i] += last.sumAbove[i], s.sumBelow[i] += last.sumBelow[i];
+        s.sumAbsorbed[i] += last.sumAbsorbed[i], s.squareAbove[i] += last.squareAbove[i];
+        s.squareBelow[i] += last.squareBelow[i], s.squareAbsorbed[i] += last.squareAbsorbed[i];
+        s.specular[i] += last.specular[i], s.roulette[i] += last.roulette[i];
+        s.collisions[i] += last.collisions[i], s.lost[i] += last.lost[i];
+        s.straight[i] += last.straight[i], s.straightCosine[i] += last.straightCosine[i];
+    }
+}
+
+using Kernel = void (*)(Lanes<kLanes>&, const Job&);
 
 // One kernel for each kind of medium and instruction set.
 #define STF_KERNELS(NAME, ATTRIBUTE)                                                                                   \
-    ATTRIBUTE void column##NAME(Lanes& s, const Job& j) {                                                              \
+    ATTRIBUTE void column##NAME(Lanes<kLanes>& s, const Job& j) {                                                      \
         walkAll<false, false>(s, j);                                                                                   \
     }                                                                                                                  \
-    ATTRIBUTE void columnRefracts##NAME(Lanes& s, const Job& j) {                                                      \
+    ATTRIBUTE void columnRefracts##NAME(Lanes<kLanes>& s, const Job& j) {                                              \
         walkAll<false, true>(s, j);                                                                                    \
     }                                                                                                                  \
-    ATTRIBUTE void tile##NAME(Lanes& s, const Job& j) {                                                                \
+    ATTRIBUTE void tile##NAME(Lanes<kLanes>& s, const Job& j) {                                                        \
         walkAll<true, false>(s, j);                                                                                    \
     }                                                                                                                  \
-    ATTRIBUTE void tileRefracts##NAME(Lanes& s, const Job& j) {                                                        \
+    ATTRIBUTE void tileRefracts##NAME(Lanes<kLanes>& s, const Job& j) {                                                \
         walkAll<true, true>(s, j);                                                                                     \
     }                                                                                                                  \
     Kernel kernel##NAME(bool isTile, bool refracts) {                                                                  \
@@ -615,7 +672,7 @@ void walkLanes(const TileMedium& medium, const WalkSource& source, const WalkReq
                   tally.belowUncollided.data() + channel,
                   tally.belowUncollidedCosine.data() + channel,
                   &progress};
-    auto lanes = std::make_unique<Lanes>();
+    auto lanes = std::make_unique<Lanes<kLanes>>();
     chooseKernel(instructions, isTile, scene.refracts)(*lanes, job);
 
     tally.above[channel] += total(lanes->sumAbove);

@@ -15,7 +15,10 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 /// Photons are walked in blocks of fixed size: the sum does not depend on threads, and their scatter is the error of
 /// profiles.
-constexpr std::uint64_t kBlocks = 256, kMaxBlock = 100'000;
+constexpr std::uint64_t kProfileBlocks = 256, kMaxBlock = 100'000;
+/// Without profiles errors come from the photons themselves, and walks side by side like to be many: the last of a
+/// block walk alone.
+constexpr std::uint64_t kBlocks = 64;
 
 // A slab as one column of voxels, each 1 mm high whatever its optical depth: only that matters. The column is so wide
 // that flights hardly ever leave it to the side.
@@ -112,7 +115,8 @@ struct BlockMean {
 template<class Each>
 WalkTally walkBlocks(const TileMedium& medium, const WalkSource& source, WalkRequest request, std::uint64_t photons,
                      const char* stage, Progress& progress, Each&& each) {
-    const std::uint64_t block = std::clamp<std::uint64_t>((photons + kBlocks - 1) / kBlocks, 1, kMaxBlock);
+    const std::uint64_t wanted = request.voxels ? kProfileBlocks : kBlocks;
+    const std::uint64_t block = std::clamp<std::uint64_t>((photons + wanted - 1) / wanted, 1, kMaxBlock);
     const std::uint64_t blocks = (photons + block - 1) / block;
     const std::uint64_t wave = std::uint64_t(4 * threadCount());
     WalkTally total;
