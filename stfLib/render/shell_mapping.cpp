@@ -50,16 +50,20 @@ struct ShellMappings::Sampled {
     SurfacePose pose; ///< empty for a mesh without rest pose
 };
 
-ShellMappings::Sampled ShellMappings::sample(const ControlMesh& mesh, const Sampling& how,
-                                             const ShellStage& stage) const {
+ShellMappings::Sampled ShellMappings::refined(const ControlMesh& mesh, const Sampling& how,
+                                              const ShellStage& stage) const {
+    ++stage.stats.refinements;
     Sampled s;
     s.surface = mesh.rest.empty() ? refine(mesh, how.refine, stage.messages)
                                   : refineAtRest(mesh, how.refine, stage.messages, s.pose);
+    return s;
+}
+
+ShellMappings::Sampled ShellMappings::sampled(Sampled s, const Sampling& how, const ShellStage& stage) const {
     if (how.texelMm > 0) {
         s.surface = sampleSurface(std::move(s.surface), how.texelMm, how.mmPerUnit, kMostSynthesisTriangles,
-                                  stage.messages, mesh.rest.empty() ? nullptr : &s.pose);
+                                  stage.messages, s.pose.points.empty() ? nullptr : &s.pose);
     }
-    ++stage.stats.refinements;
     return s;
 }
 
@@ -79,30 +83,32 @@ MappedSurface ShellMappings::prepare(const ControlMesh& given, int refineLevel, 
     Sampling how(mesh, refineLevel, o.source->extentMm().z / mmPerUnit);
     const std::string choiceKey =
         rest + how.key() + ";" + binding.mapping + (o.volume->laterallyUniform() ? ";uniform" : "");
-    std::optional<Sampled> sampled;
+    std::optional<Sampled> limit, samples; ///< what was made on the way
     out.choice = choices_.find(choiceKey);
     if (!out.choice) {
-        sampled = sample(mesh, how, stage);
-        out.choice = choices_.keep(choiceKey, chooseMapping(binding.mapping, sampled->surface, *o.volume));
+        limit = refined(mesh, how, stage);
+        out.choice = choices_.keep(choiceKey, chooseMapping(binding.mapping, limit->surface, *o.volume));
     }
-    const std::string coarse = how.key();
+    const float coarse = how.refine.targetEdge;
     if (out.choice->mapping == Mapping::Synthesize) {
         how.texelMm = std::max(o.volume->voxelMm.x, o.volume->voxelMm.y);
         how.mmPerUnit = mmPerUnit;
     } else {
         how = Sampling(mesh, refineLevel, double(o.thicknessMm) / mmPerUnit);
     }
-    if (how.key() != coarse) {
-        sampled.reset();
-    }
+    const auto make = [&]() -> Sampled& {
+        if (!samples) {
+            samples = sampled(limit && how.refine.targetEdge == coarse ? std::move(*limit) : refined(mesh, how, stage),
+                              how, stage);
+            limit.reset();
+        }
+        return *samples;
+    };
     out.key = rest + how.key();
     out.surface = surfaces_.find(out.key);
     const bool kept = out.surface != nullptr;
     if (!kept) {
-        if (!sampled) {
-            sampled = sample(mesh, how, stage);
-        }
-        out.surface = surfaces_.keep(out.key, std::move(sampled->surface));
+        out.surface = surfaces_.keep(out.key, std::move(make().surface));
     }
     stage.noteKept("surface", kept, std::to_string(out.surface->triangles.size()) + " triangles", timer.seconds());
 
@@ -115,10 +121,7 @@ MappedSurface ShellMappings::prepare(const ControlMesh& given, int refineLevel, 
             out.posed = poses_.find(out.poseKey);
             posedBefore = out.posed != nullptr;
             if (!posedBefore) {
-                if (!sampled) {
-                    sampled = sample(mesh, how, stage);
-                }
-                out.posed = poses_.keep(out.poseKey, inPose(*out.surface, std::move(sampled->pose)));
+                out.posed = poses_.keep(out.poseKey, inPose(*out.surface, std::move(make().pose)));
                 ++stage.stats.poses;
             }
         }

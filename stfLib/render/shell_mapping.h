@@ -34,7 +34,8 @@ public:
 private:
     struct Sampling;
     struct Sampled;
-    Sampled sample(const ControlMesh& mesh, const Sampling& how, const ShellStage& stage) const;
+    Sampled refined(const ControlMesh& mesh, const Sampling& how, const ShellStage& stage) const;
+    Sampled sampled(Sampled refined, const Sampling& how, const ShellStage& stage) const;
     void addMap(const StfBinding& binding, const ShellObject& shell, const std::string& volumeHash,
                 const ShellStage& stage, MappedSurface& mapped);
     void noticeMotion(const ControlMesh& mesh, const ShellStage& stage);

@@ -168,7 +168,6 @@ void ShellMaterials::addTransport(const StfBinding& binding, const ShellStage& s
     const StageTimer timer;
     TransportOptions options;
     options.quality = quality;
-    options.seed = std::uint64_t(std::uint32_t(binding.seed));
     options.form = formOf(binding, stage.settings, stage.messages);
     const std::string key = contentHash(o.volume) + ";" + options.key();
     const auto met = transports_.find(key);
