@@ -182,8 +182,8 @@ TEST_P(BentPlate, EqualsAGridInThePose) {
     EXPECT_LT(d.normal, 0.03);
 }
 
-// Radii in units of 0.2 of thickness: from gentle to a bend whose inside comes near its focus.
-INSTANTIATE_TEST_SUITE_P(Radii, BentPlate, testing::Values(20.0, 4.0, 1.0, 0.4, -20.0, -4.0, -1.0));
+// At a thickness of 0.2: from gentle to nearly a ring.
+INSTANTIATE_TEST_SUITE_P(Radii, BentPlate, testing::Values(20.0, 4.0, 1.0, 0.7, -20.0, -4.0, -1.0));
 
 TEST(PosedShell, AtRestNothingChanges) {
     const Bend bend{1e9};

@@ -51,7 +51,13 @@ TEST_P(PoseOfScheme, IsTheRefinedMeshItself) {
     EXPECT_EQ(rest.normals, alone.normals);
     // The mesh as it stands, refined by itself as often, has the same limit points and normals.
     const RefinedSurface posed = refine(mesh, options, {});
-    expectNear(pose.points, posed.points, 1e-6);
+    if (GetParam() != ControlMesh::Scheme::None) { // whose bent quads may take another diagonal
+        expectNear(pose.points, posed.points, 1e-6);
+    } else {
+        for (std::size_t i = 0; i < mesh.points.size(); ++i) {
+            EXPECT_EQ(pose.points[i], mesh.points[i]);
+        }
+    }
     if (GetParam() == ControlMesh::Scheme::CatmullClark) {
         expectNear(pose.normals, posed.normals, 1e-5);
     }
