@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes bending_body.usda: a finger of marble that nods to either side over 24 frames.
+"""Writes bending_body.usda: a horn of marble that nods to either side over 24 frames.
 
 The mesh says where its points are at rest, and which way the sample lies: it is laid out and gridded once, and stays on
 the body in every frame. Units are centimetres.
@@ -19,8 +19,8 @@ BEND = 1.3  # radians from base to tip, at most
 
 
 def body():
-    """Face counts, vertex indices and points of the upright finger, a Catmull-Clark cage."""
-    rows = [(1.35, 0.0), (1.5, 0.3), (1.35, 1.3), (1.2, 2.6), (1.25, 3.9), (1.3, 5.2), (1.2, 6.5), (0.9, 7.5)]
+    """Face counts, vertex indices and points of the upright horn, a Catmull-Clark cage."""
+    rows = [(1.5, 0.0), (2.2, 0.3), (2.3, 0.9), (2.05, 2.0), (1.75, 3.2), (1.45, 4.4), (1.15, 5.6), (0.95, 6.8), (0.7, 7.6)]
     turn = 2 * np.pi * np.arange(COLUMNS) / COLUMNS
     points = [(r * np.cos(a), y, -r * np.sin(a)) for r, y in rows for a in turn]
     bottom, top = len(points), len(points) + 1
@@ -62,7 +62,7 @@ def scene():
     extents = samples(usda.numbers([p.min(0), p.max(0)]) for p in frames)
     return f"""#usda 1.0
 (
-    doc = "A finger of marble that nods. Written by make_bending_body.py. Centimetres."
+    doc = "A horn of marble that nods. Written by make_bending_body.py. Centimetres."
     defaultPrim = "World"
     metersPerUnit = 0.01
     upAxis = "Y"
@@ -92,10 +92,7 @@ def Xform "World"
         token primvars:stf:mapping = "synthesize" (
             interpolation = "constant"
         )
-        float primvars:stf:scale = 2 (
-            interpolation = "constant"
-        )
-        float primvars:stf:thickness = 0.4 (
+        float primvars:stf:thickness = 0.24 (
             interpolation = "constant"
         )
         float primvars:stf:quality = 0.1 (
