@@ -37,7 +37,7 @@ def shell_of(name):
         for attribute in (mesh.GetFaceVertexCountsAttr(), mesh.GetFaceVertexIndicesAttr(), mesh.GetPointsAttr())
     ]
     st = UsdGeom.PrimvarsAPI(mesh).GetPrimvar("st")
-    return stage, mesh, geometry, np.array(st.ComputeFlattened())
+    return stage, mesh, geometry, np.array(st.ComputeFlattened()) if st else None
 
 
 def test_stage_metadata(stage):
