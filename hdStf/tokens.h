@@ -25,9 +25,8 @@ PXR_NAMESPACE_OPEN_SCOPE
         (synthesisSeconds, "stf:synthesisSeconds"))((shellSeconds, "stf:shellSeconds"))(                               \
         (coreSeconds, "stf:coreSeconds"))((loadSeconds, "stf:loadSeconds"))(                                           \
         (firstPixelSeconds, "stf:firstPixelSeconds"))((renderSeconds, "stf:renderSeconds"))(                           \
-        (syntheses, "stf:syntheses"))((grids, "stf:grids"))((poses, "stf:poses"))(                                     \
-        (tableBytes, "stf:tableBytes"))((shellBytes, "stf:shellBytes"))((rays, "stf:rays"))(                           \
-        (estimatedError, "stf:estimatedError"))
+        (syntheses, "stf:syntheses"))((grids, "stf:grids"))((poses, "stf:poses"))((tableBytes, "stf:tableBytes"))(     \
+        (shellBytes, "stf:shellBytes"))((rays, "stf:rays"))((estimatedError, "stf:estimatedError"))
 
 /// Names a material network may be authored for.
 #define HDSTF_MATERIAL_TOKENS (stf)

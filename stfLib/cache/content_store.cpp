@@ -143,7 +143,8 @@ FileLock ContentStore::wait(const std::string& hash, Progress& progress, const M
         }
         // Whoever evicts or tidies takes the lock too, for an instant that is not worth a word.
         if (attempt == 2) {
-            report(messages, Severity::Info, "waiting for another process or thread to make " + file(hash, kind_.extension));
+            report(messages, Severity::Info,
+                   "waiting for another process or thread to make " + file(hash, kind_.extension));
         }
         progress.update("waiting", 0);
         std::this_thread::sleep_for(pause);

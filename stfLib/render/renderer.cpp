@@ -230,6 +230,9 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
     }
     s.preparedVersion = 0;
     s.scenePlan.clear();
+    // They would keep what is about to be replaced in memory beside its replacement.
+    s.scene->instances.clear();
+    s.scene->rays.reset();
 
     for (auto it = s.kept.begin(); it != s.kept.end();) {
         it = source.meshes().count(it->first) ? std::next(it) : s.kept.erase(it);
@@ -272,7 +275,7 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
             ++solved;
             i.core =
                 shell->grid->spreadCoreRadiance(coreRadiance(*shell, i.objectToWorld, *s.scene->rays, s.scene->lights,
-                                                            s.scene->rounding, s.settings.seed, progress));
+                                                             s.scene->rounding, s.settings.seed, progress));
         }
     }
     s.stats.coreSeconds += since(coreStart);

@@ -162,10 +162,9 @@ void ShellMappings::addMap(const StfBinding& binding, const ShellObject& o, cons
     }
     exemplarMaps_.dropUnused(); // the one before, rather than both at once
     if (!synthesized) {
-        out.map = exemplarMaps_.keep(out.key,
-                                     out.choice->mapping == Mapping::Uv
-                                         ? tileByUv(*out.surface, tile, 1 / mmPerUnit, stage.messages)
-                                         : mapAnywhere(*out.surface, tile, 1 / mmPerUnit));
+        out.map = exemplarMaps_.keep(out.key, out.choice->mapping == Mapping::Uv
+                                                  ? tileByUv(*out.surface, tile, 1 / mmPerUnit, stage.messages)
+                                                  : mapAnywhere(*out.surface, tile, 1 / mmPerUnit));
         finish(false, "");
         return;
     }
@@ -180,10 +179,9 @@ void ShellMappings::addMap(const StfBinding& binding, const ShellObject& o, cons
         return exemplarMap(synthesize(*out.surface, *o.source, mmPerUnit, options, stage.progress));
     };
     const std::size_t corners = 3 * out.surface->triangles.size();
-    const std::string key =
-        format("exemplar map %d;corners=%zu;", kSynthesisVersion, corners) + out.key;
-    std::shared_ptr<const ExemplarMap> map = maps_ ? maps_(key, make, stage.progress, stage.messages)
-                                                   : std::make_shared<const ExemplarMap>(make());
+    const std::string key = format("exemplar map %d;corners=%zu;", kSynthesisVersion, corners) + out.key;
+    std::shared_ptr<const ExemplarMap> map =
+        maps_ ? maps_(key, make, stage.progress, stage.messages) : std::make_shared<const ExemplarMap>(make());
     if (map->cornerCoords.size() != corners) {
         throw Error("the exemplar coordinates do not belong to the surface");
     }

@@ -23,7 +23,8 @@ Vec3f topOfTile(const ShellObject& object, const Vec2f& mm) {
 }
 
 ShellMarch::ShellMarch(const ShellObject& object, const Rgb* coreRadiancePerSample)
-    : object_(object), probe_(*object.grid, object.pose.get()), core_(coreRadiancePerSample), tile_(*object.medium, *object.table) {}
+    : object_(object), probe_(*object.grid, object.pose.get()), core_(coreRadiancePerSample),
+      tile_(*object.medium, *object.table) {}
 
 float ShellMarch::iorAt(const Vec3f& point, std::uint32_t triangle) {
     ShellLookup at;
@@ -47,8 +48,8 @@ float ShellMarch::iorAt(const Vec3f& point, std::uint32_t triangle) {
     return medium.ior(p);
 }
 
-ShellRadiance ShellMarch::march(const Vec3f& entry, std::uint32_t triangle, const Vec3f& direction, const ShellLight* lights, int lightCount,
-                                PixelSampler& sampler) {
+ShellRadiance ShellMarch::march(const Vec3f& entry, std::uint32_t triangle, const Vec3f& direction,
+                                const ShellLight* lights, int lightCount, PixelSampler& sampler) {
     const ShellObject& o = object_;
     const Vec3d& voxelMm = o.medium->voxelMm();
     const Vec3f perMm{float(1 / voxelMm.x), float(1 / voxelMm.y), float(1 / voxelMm.z)};

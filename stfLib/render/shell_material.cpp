@@ -208,8 +208,7 @@ void ShellMaterials::addTransport(const StfBinding& binding, const ShellStage& s
     }
 }
 
-void ShellMaterials::prepare(const StfBinding& binding, double metersPerUnit, const ShellStage& stage,
-                             ShellObject& o) {
+void ShellMaterials::prepare(const StfBinding& binding, double metersPerUnit, const ShellStage& stage, ShellObject& o) {
     const std::string asset = binding.authoredPath.empty() ? binding.baseVolume : binding.authoredPath;
     if (binding.baseVolume.empty()) {
         throw Error("base volume '" + asset + "' was not found");

@@ -37,8 +37,8 @@ private:
     TableProvider tables_;
     MessageSink messages_;
     std::map<std::string, CachedVolume> volumes_;
-    StageCache<BaseVolume> crops_;                                                ///< by content and layers
-    std::map<std::string, Transport> transports_;                                 ///< by content and options
+    StageCache<BaseVolume> crops_;                                                     ///< by content and layers
+    std::map<std::string, Transport> transports_;                                      ///< by content and options
     std::map<std::weak_ptr<const BaseVolume>, std::string, std::owner_less<>> hashes_; ///< of volumes in memory
 };
 

@@ -91,12 +91,11 @@ bool PosedShell::locate(const Vec3f& point, Place& place) const {
         bool converged = false, away = false;
         for (int i = 0; i < kMostSteps && !converged && !away; ++i) {
             Vec3d step;
-            if (!prism.newton(w, at, step) || !std::isfinite(at.b1) || !std::isfinite(at.b2) ||
-                !std::isfinite(at.d)) {
+            if (!prism.newton(w, at, step) || !std::isfinite(at.b1) || !std::isfinite(at.b2) || !std::isfinite(at.d)) {
                 return false;
             }
-            converged = std::abs(step.x) < kPrecision && std::abs(step.y) < kPrecision &&
-                        std::abs(step.z) < kPrecision * thick;
+            converged =
+                std::abs(step.x) < kPrecision && std::abs(step.y) < kPrecision && std::abs(step.z) < kPrecision * thick;
             away = std::max(std::abs(at.b1 - 0.5), std::abs(at.b2 - 0.5)) > kElsewhere;
         }
         const double b[3] = {1 - at.b1 - at.b2, at.b1, at.b2};

@@ -164,8 +164,10 @@ void sanitizeRest(ControlMesh& mesh, MeshRepairs& repairs) {
     if (mesh.rest.empty()) {
         return;
     }
-    if (mesh.rest.size() != mesh.points.size() ||
-        !std::all_of(mesh.rest.begin(), mesh.rest.end(), [](const Vec3f& p) { return usable(p); })) {
+    const bool finite = std::all_of(mesh.rest.begin(), mesh.rest.end(), [](const Vec3f& p) { return usable(p); });
+    const bool onePoint =
+        std::all_of(mesh.rest.begin(), mesh.rest.end(), [&](const Vec3f& p) { return p == mesh.rest[0]; });
+    if (mesh.rest.size() != mesh.points.size() || !finite || onePoint) {
         mesh.rest.clear();
         repairs.droppedRest = true;
     }
@@ -345,7 +347,7 @@ std::string MeshRepairs::summary() const {
     add(droppedUvs, "texture coordinates ignored (wrong counts or indices)");
     add(droppedColors, "colours ignored (wrong count)");
     add(droppedNormals, "normals ignored (wrong count)");
-    add(droppedRest, "stf:rest ignored (wrong count or not finite)");
+    add(droppedRest, "stf:rest ignored (wrong count, not finite, or all points in one)");
     add(droppedOrientation, "stf:orientation ignored (wrong count)");
     add(nonFiniteOrientations > 0,
         counted(nonFiniteOrientations, "vector", "vectors") + " of stf:orientation ignored (not finite)");

@@ -60,7 +60,7 @@ struct MeshRepairs {
     bool droppedColors = false;
     bool droppedNormals = false;
     bool droppedTags = false; ///< creases, corners, holes out of range
-    bool droppedRest = false; ///< wrong count or not finite
+    bool droppedRest = false; ///< wrong count, not finite, or all points in one
     bool droppedOrientation = false;
     int nonFiniteOrientations = 0; ///< set to zero: no wish there
     /// One sentence, empty if nothing had to be mended.

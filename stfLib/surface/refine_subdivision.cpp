@@ -324,8 +324,7 @@ RefinedSurface refineSubdivision(const ControlMesh& mesh, const RefineOptions& o
                                  SurfacePose* pose) {
     LevelValues base;
     const std::vector<Rgb> colors = controlPointValues(mesh, mesh.colors, mesh.colorInterpolation);
-    const std::vector<Vec3f> orientation =
-        controlPointValues(mesh, mesh.orientation, mesh.orientationInterpolation);
+    const std::vector<Vec3f> orientation = controlPointValues(mesh, mesh.orientation, mesh.orientationInterpolation);
     base.vertices.resize(mesh.points.size());
     for (std::size_t i = 0; i < mesh.points.size(); ++i) {
         base.vertices[i] = {Vec3d(mesh.points[i]), pose ? Vec3d(pose->points[i]) : Vec3d(),

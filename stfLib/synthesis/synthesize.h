@@ -30,8 +30,8 @@ struct Synthesis {
     std::vector<std::pair<std::string, double>> seconds;
 };
 
-/// The surface with a vertex for about every `texelMm` of the sample, no more than `maxTriangles` triangles. A `pose` of
-/// it follows.
+/// The surface with a vertex for about every `texelMm` of the sample, no more than `maxTriangles` triangles. A `pose`
+/// of it follows.
 RefinedSurface sampleSurface(RefinedSurface surface, double texelMm, double mmPerUnit, std::size_t maxTriangles,
                              const MessageSink& messages, SurfacePose* pose = nullptr);
 

@@ -55,7 +55,8 @@ void run(const Arguments& a) {
 } // namespace
 
 void addCacheCommand(CLI::App& app) {
-    auto* command = app.add_subcommand("cache", "Tell what the cache of transport tables and synthesised maps holds, or clear it");
+    auto* command =
+        app.add_subcommand("cache", "Tell what the cache of transport tables and synthesised maps holds, or clear it");
     auto a = std::make_shared<Arguments>();
     command->add_option("--cache", a->cache, "Folder of the stores (default: the one the renderer reads)");
     command->add_flag("--clear", a->clear, "Remove all that is not in use");

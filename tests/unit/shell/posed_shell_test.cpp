@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A plate that is bent to a part of a cylinder: where its points were at rest is known in closed form.
-#include "stfLib/shell/posed_shell.h"
 #include "stfLib/base/random.h"
+#include "stfLib/shell/posed_shell.h"
 #include "tests/unit/surface/test_meshes.h"
 
 #include <gtest/gtest.h>

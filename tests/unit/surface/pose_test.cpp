@@ -112,12 +112,14 @@ TEST(Pose, SplitEdgesDependOnTheRestAlone) {
 }
 
 TEST(Pose, WhatIsNoRestPoseIsIgnored) {
-    for (const bool nan : {false, true}) {
+    for (int flaw = 0; flaw < 3; ++flaw) {
         ControlMesh mesh = bentCube(ControlMesh::Scheme::CatmullClark);
-        if (nan) {
+        if (flaw == 0) {
             mesh.rest[3].y = std::nanf("");
-        } else {
+        } else if (flaw == 1) {
             mesh.rest.pop_back();
+        } else {
+            mesh.rest.assign(8, Vec3f(1, 2, 3));
         }
         const MeshRepairs repairs = sanitize(mesh);
         EXPECT_TRUE(repairs.droppedRest);

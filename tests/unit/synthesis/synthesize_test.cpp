@@ -137,7 +137,8 @@ TEST(Synthesize, FollowsAnAuthoredTangentField) {
     }
 }
 
-// An authored field from the control mesh to the exemplar's coordinates: around the axis of a ball, nothing at its poles.
+// An authored field from the control mesh to the exemplar's coordinates: around the axis of a ball, nothing at its
+// poles.
 TEST(Synthesize, FollowsAnAuthoredFieldOnACurvedSurface) {
     ControlMesh ball = sphere(10, 12);
     for (const Vec3f& p : ball.points) {
