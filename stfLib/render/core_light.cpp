@@ -28,8 +28,8 @@ struct BoundaryPoints {
 };
 
 BoundaryPoints spread(const ShellObject& o, std::size_t wanted, std::uint64_t seed) {
-    const std::vector<Vec3i>& triangles = o.surface.triangles;
-    const std::vector<Vec3f>& inner = o.boundary.inner;
+    const std::vector<Vec3i>& triangles = o.surface->triangles;
+    const std::vector<Vec3f>& inner = o.boundary->inner;
     std::vector<double> sum(triangles.size());
     double total = 0;
     for (std::size_t i = 0; i < triangles.size(); ++i) {
@@ -112,12 +112,15 @@ ShellLookup frameAt(const ShellObject& o, std::size_t triangle, float b1, float 
     const std::size_t corner = 3 * triangle;
     const Vec3i c{int(corner), int(corner + 1), int(corner + 2)};
     ShellLookup at{};
-    at.exemplar = blend(o.map.cornerCoords, c, b1, b2);
-    at.gradX = blend(o.map.gradientX, c, b1, b2);
-    at.gradY = blend(o.map.gradientY, c, b1, b2);
+    at.exemplar = blend(o.map->cornerCoords, c, b1, b2);
+    at.gradX = blend(o.map->gradientX, c, b1, b2);
+    at.gradY = blend(o.map->gradientY, c, b1, b2);
     at.normal =
-        normalize(o.surface.cornerNormals.empty() ? blend(o.surface.normals, o.surface.triangles[triangle], b1, b2)
-                                                  : blend(o.surface.cornerNormals, c, b1, b2));
+        normalize(o.surface->cornerNormals.empty() ? blend(o.surface->normals, o.surface->triangles[triangle], b1, b2)
+                                                   : blend(o.surface->cornerNormals, c, b1, b2));
+    if (o.pose) {
+        o.pose->carry({std::uint32_t(triangle), double(b1), double(b2), 0}, at);
+    }
     return at;
 }
 
@@ -140,7 +143,7 @@ Vec3f jitterOnSurface(const RayMesh& mesh, const Vec3f& point, const Vec3f& norm
 
 std::vector<Rgb> coreRadiance(const ShellObject& o, const Transform& objectToWorld, const RayScene& scene,
                               const LightSet& lights, float rounding, std::uint64_t seed, Progress& progress) {
-    const std::size_t points = o.surface.points.size();
+    const std::size_t points = o.surface->points.size();
     // Samples about half a diffusion length apart, as far as a direct sum allows.
     double diffusionLength = 1e30;
     const Dipole dipoles[3] = {{o.core.sigmaA.x, o.core.sigmaSPrime.x},
@@ -167,17 +170,17 @@ std::vector<Rgb> coreRadiance(const ShellObject& o, const Transform& objectToWor
     s.direct = s.shellReflectance = s.diffuse;
     const Transform worldToObject = objectToWorld.inverse();
     const Vec3i size = o.table->size;
-    const float offset = 1e-3f * o.grid.voxelSize();
+    const float offset = 1e-3f * o.grid->voxelSize();
 
     parallelFor(count, 16, [&](std::size_t begin, std::size_t end) {
         if (progress.cancelled()) {
             throw Cancelled();
         }
         for (std::size_t i = begin; i < end; ++i) {
-            const Vec3i& tri = o.surface.triangles[at.triangle[i]];
+            const Vec3i& tri = o.surface->triangles[at.triangle[i]];
             const ShellLookup frame = frameAt(o, at.triangle[i], at.b1[i], at.b2[i]);
-            s.positions[i] = blend(o.boundary.inner, tri, at.b1[i], at.b2[i]) * o.mmPerUnit;
-            const Vec3f outer = blend(o.surface.points, tri, at.b1[i], at.b2[i]);
+            s.positions[i] = blend(o.boundary->inner, tri, at.b1[i], at.b2[i]) * o.mmPerUnit;
+            const Vec3f outer = blend(o.surface->points, tri, at.b1[i], at.b2[i]);
             const int ix = TileTracer::wrap(int(std::floor(frame.exemplar.x / float(o.volume->voxelMm.x))), size.x);
             const int iy = TileTracer::wrap(int(std::floor(frame.exemplar.y / float(o.volume->voxelMm.y))), size.y);
             const std::size_t column = std::size_t(ix) + std::size_t(size.x) * std::size_t(iy);
@@ -240,7 +243,7 @@ std::vector<Rgb> coreRadiance(const ShellObject& o, const Transform& objectToWor
             throw Cancelled();
         }
         for (std::size_t i = begin; i < end; ++i) {
-            radiance[i] = solver.exitance(o.boundary.inner[i] * o.mmPerUnit) / kPi;
+            radiance[i] = solver.exitance(o.boundary->inner[i] * o.mmPerUnit) / kPi;
         }
     });
     return radiance;

@@ -63,6 +63,7 @@ Integrator::Surfel Integrator::surfelAt(const PreparedInstance& instance, const 
         lifted -= s.normals[i] * (weight[k] * std::min(0.0f, dot(p - s.points[i], s.normals[i])));
     }
     Surfel out;
+    out.triangle = hit.triangle;
     out.point = ray.origin + ray.direction * hit.t;
     out.normal = normalize(Vec3f(instance.objectToWorld.normal(Vec3d(smoothNormal(s, hit)))));
     out.objectPoint = p;
@@ -106,7 +107,7 @@ ShellRadiance Integrator::shadeShell(const PreparedInstance& instance, const Sur
                                      PixelSampler& sampler) {
     const ShellObject& shell = *instance.mesh->shell;
     const Vec3f objectNormal = normalize(Vec3f(instance.worldToObject.normal(Vec3d(surfel.normal))));
-    const float offset = 1e-3f * shell.grid.voxelSize();
+    const float offset = 1e-3f * shell.grid->voxelSize();
 
     ShellLight lights[kMaxLightsPerPath * kDomeDirections];
     int count = 0;
@@ -140,7 +141,7 @@ ShellRadiance Integrator::shadeShell(const PreparedInstance& instance, const Sur
     }
 
     ++rays_;
-    return marchOf(instance).march(surfel.objectPoint, direction, lights, count, sampler);
+    return marchOf(instance).march(surfel.objectPoint, surfel.triangle, direction, lights, count, sampler);
 }
 
 Ray Integrator::leaveShell(const PreparedInstance& instance, const Surfel& entry, const Vec3f& direction,
@@ -148,7 +149,7 @@ Ray Integrator::leaveShell(const PreparedInstance& instance, const Surfel& entry
     const RefinedSurface& s = *instance.mesh->surface;
     const RayHit& exit = through.exit;
     const Vec3f normal = normalize(smoothNormal(s, exit)), point = entry.objectPoint + direction * through.tExit;
-    const float ior = marchOf(instance).iorAt(point);
+    const float ior = marchOf(instance).iorAt(point, exit.triangle);
     // What is reflected there goes on inside the shell: it is dropped, as are rays that are reflected altogether.
     const SurfaceCrossing out = crossSurface(direction, -normal, -exit.geometricNormal, 1 / ior);
     share = 1 - out.reflectance;
@@ -221,7 +222,7 @@ PixelSample Integrator::sample(Ray ray, PixelSampler& sampler) {
         SurfaceCrossing in;
         Rgb inner = throughput;
         if (refracts) {
-            const float ior = marchOf(instance).iorAt(surfel.objectPoint);
+            const float ior = marchOf(instance).iorAt(surfel.objectPoint, surfel.triangle);
             in = crossSurface(direction, normalize(smoothNormal(*instance.mesh->surface, hit)), hit.geometricNormal,
                               ior);
             direction = bends && in.reflectance < 1 ? in.refracted : direction;
@@ -289,9 +290,10 @@ PixelHit Integrator::firstHit(const Ray& ray, const Camera& camera) {
     out.albedo = s.albedo;
     if (const ShellObject* shell = instance.mesh->shell.get()) {
         // The albedo of the first voxel with material, straight down from where the ray enters.
-        ShellGrid::Accessor accessor(shell->grid);
+        ShellProbe probe(*shell->grid, shell->pose.get());
+        probe.enter(s.triangle);
         ShellLookup at;
-        if (accessor.lookup(s.objectPoint, at)) {
+        if (probe.lookup(s.objectPoint, at)) {
             const BaseVolume& v = *shell->volume;
             const int x = TileTracer::wrap(int(std::floor(at.exemplar.x / float(v.voxelMm.x))), v.size.x);
             const int y = TileTracer::wrap(int(std::floor(at.exemplar.y / float(v.voxelMm.y))), v.size.y);

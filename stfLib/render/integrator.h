@@ -27,6 +27,7 @@ private:
         Vec3f objectPoint;   ///< on the triangle: exact however far the camera is
         Vec3f shadowOrigin;  ///< object space, lifted to the smooth surface
         Rgb albedo;
+        std::uint32_t triangle;
     };
     Surfel surfelAt(const PreparedInstance& instance, const Ray& ray, const RayHit& hit) const;
     Rgb shadePlain(const PreparedInstance& instance, const Surfel& surfel, const Vec3f& direction,
