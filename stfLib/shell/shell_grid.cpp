@@ -332,6 +332,10 @@ const ShellGridReport& ShellGrid::report() const {
     return impl_->report;
 }
 
+const ShellGridData& ShellGrid::data() const {
+    return *impl_;
+}
+
 std::size_t ShellGrid::sampleCount() const {
     return impl_->sampleCount();
 }

@@ -62,6 +62,8 @@ struct ShellGridReport {
     bool errorMet = true;              ///< false: the memory limit or the finest sensible voxel came first
 };
 
+struct ShellGridData;
+
 /// Sparse grid over the shell: voxel -> exemplar coordinate, depth, frame, in leaves of 8^3 voxels over packed samples.
 /// Levels of voxel sizes h, 2h, 4h ... are made by one build, so that no camera asks for another. Built by
 /// scan-converting the prisms between limit surface and inner boundary, nearly two voxels beyond both so that
@@ -109,6 +111,9 @@ public:
     /// Writes exemplar coordinate, depth and normal of the finest level as OpenVDB grids, for other tools: to a
     /// temporary beside `path`, which is renamed.
     void write(const std::string& path) const;
+
+    /// For the shell layer's own tests and benchmarks (shell_grid_impl.h).
+    const ShellGridData& data() const;
 
 private:
     struct Impl;

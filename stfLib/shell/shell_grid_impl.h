@@ -33,12 +33,17 @@ public:
     bool lookup(const Vec3f& objectPoint, int level, ShellLookup& out, const Rgb* core);
     void prefetch(const Vec3f& objectPoint, int level);
 
-private:
     struct Corners {
         const ShellSample* sample[8]; ///< x slowest
         unsigned present = 0;         ///< bit c: corner c has a sample
-        std::uint32_t number[8];      ///< in the whole grid, where `numbers` are asked for
+        std::uint32_t number[8];      ///< in the whole grid
     };
+    /// Samples of the voxels whose middles surround a place, whose whole part in voxels is `floor`; false where there is none.
+    bool corners(const Vec3i& floor, int level, Corners& out) {
+        return corners(views_[std::size_t(level)], floor.x, floor.y, floor.z, out);
+    }
+
+private:
     struct LevelView {
         const ShellLevel* level = nullptr;
         const ShellLeaf* leaf = nullptr; ///< last one found; never null where the level has leaves
