@@ -36,6 +36,17 @@ double estimatedSamples(const ShellSource& source, double voxel) {
     return volume / (voxel * voxel * voxel);
 }
 
+/// That a closed surface encloses, by the divergence theorem; negative where it is inside out.
+double signedVolume(const RefinedSurface& surface) {
+    const Vec3d middle(surface.bounds.lo);
+    double sum = 0;
+    for (const Vec3i& t : surface.triangles) {
+        const auto corner = [&](int i) { return Vec3d(surface.points[std::size_t(i)]) - middle; };
+        sum += dot(corner(t.x), cross(corner(t.y), corner(t.z))) / 6;
+    }
+    return sum;
+}
+
 double thickest(const ShellBoundary& boundary) {
     double most = 0;
     for (float t : boundary.thickness) {
@@ -81,6 +92,7 @@ public:
         grid_.report.rimLength = edges.rimLength;
         grid_.report.crowdedEdges = edges.crowded;
         grid_.report.turnedEdges = edges.turned;
+        grid_.report.insideOut = !edges.rims && !edges.crowded && !edges.turned && signedVolume(source_.surface) < 0;
         const bool byHand = options_.voxelSize > 0 && std::isfinite(options_.voxelSize);
         const double first = byHand ? double(options_.voxelSize) : kCoarsestFirst * thickness_;
         probes_ = makeProbes(source_, edges, kProbes, std::max(thickness_, first));
@@ -207,6 +219,9 @@ private:
         if (r.unusableTriangles) {
             report(messages_, Severity::Warning,
                    std::to_string(r.unusableTriangles) + " triangles without area have no shell");
+        }
+        if (r.insideOut) {
+            report(messages_, Severity::Warning, "the surface is inside out: its shell lies around it, not within");
         }
         if (finest.foldedVoxels) {
             std::snprintf(text, sizeof text,

@@ -59,6 +59,7 @@ struct ShellGridReport {
     std::size_t crowdedEdges = 0;      ///< of more than two triangles: where shells overlap the nearer surface wins
     std::size_t turnedEdges = 0;       ///< between triangles of opposite orientation
     std::size_t unusableTriangles = 0; ///< without area
+    bool insideOut = false;            ///< a closed surface whose triangles face inward
     bool errorMet = true;              ///< false: the memory limit or the finest sensible voxel came first
 };
 

@@ -33,6 +33,12 @@ public:
     bool lookup(const Vec3f& objectPoint, int level, ShellLookup& out, const Rgb* core);
     void prefetch(const Vec3f& objectPoint, int level);
 
+    struct LevelView {
+        const ShellLevel* level = nullptr;
+        const ShellLeaf* leaf = nullptr; ///< last one found; never null where the level has leaves
+        double perVoxel = 0;
+        float mmPerUnit = 1, voxelMm = 0, depthLow = 0, depthStep = 0;
+    };
     struct Corners {
         const ShellSample* sample[8]; ///< x slowest
         unsigned present = 0;         ///< bit c: corner c has a sample
@@ -44,12 +50,6 @@ public:
     }
 
 private:
-    struct LevelView {
-        const ShellLevel* level = nullptr;
-        const ShellLeaf* leaf = nullptr; ///< last one found; never null where the level has leaves
-        double perVoxel = 0;
-        float mmPerUnit = 1, voxelMm = 0, depthLow = 0, depthStep = 0;
-    };
     static void rowOf(const ShellLeaf& leaf, int row, int z, int corner, Corners& out);
     bool corners(LevelView& view, int x, int y, int z, Corners& out) const;
 
