@@ -17,7 +17,7 @@ namespace stf {
 namespace {
 
 constexpr std::size_t kMostSynthesisTriangles = 4'000'000;
-constexpr double kSeamVoxel = 1.5; ///< voxels of the shell grid, in texels, where there are seams
+constexpr double kSeamTexels = 0.3; ///< wanted mean displacement of seams by the shell grid
 
 class Timer {
 public:
@@ -281,17 +281,19 @@ std::shared_ptr<ShellObject> ShellBuilder::build(const std::string& id, const Co
     o.boundary = offsetInward(o.surface, thickness, messages);
     ShellGridOptions gridOptions;
     gridOptions.mmPerUnit = double(o.mmPerUnit);
-    // Lookups are exact to second order: a quarter of the thickness resolves any bend that the shell itself survives.
-    gridOptions.voxelSize = 0.25f * thickness;
+    gridOptions.texelMm = std::min(o.volume->voxelMm.x, o.volume->voxelMm.y);
     if (choice.mapping == Mapping::Synthesize) {
         // Seams run where they are least seen, to a texel: the grid must not move them by more.
-        const double texel = std::min(o.volume->voxelMm.x, o.volume->voxelMm.y);
-        gridOptions.voxelSize = std::min(gridOptions.voxelSize, float(kSeamVoxel * texel / double(o.mmPerUnit)));
+        gridOptions.seamTexels = kSeamTexels;
+    } else if (choice.mapping == Mapping::Anywhere) {
+        gridOptions.voxelSize = 0.25f * thickness; // coordinates do not matter, only the depth
     }
     o.grid = ShellGrid::build(o.surface, o.boundary, o.map, gridOptions, progress, messages);
     o.rayMesh = std::make_shared<const RayMesh>(o.surface.points, o.surface.triangles, o.boundary.inner);
     stats.shellSeconds += shell.seconds();
-    note("shell", true, std::to_string(o.grid.sampleCount()) + " samples", shell.seconds());
+    note("shell", true,
+         std::to_string(o.grid.sampleCount()) + " samples in " + std::to_string(o.grid.levelCount()) + " levels",
+         shell.seconds());
 
     note("core", !o.coreBlack, coreWhy, 0);
     o.blurRadiusMm = float(std::min(blurLengthMm(*o.volume), double(o.thicknessMm)));

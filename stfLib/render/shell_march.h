@@ -44,8 +44,9 @@ public:
 
     /// `entry` lies on the surface, `direction` is unit and goes inward, refracted where the shell refracts; both
     /// object space. Distances count from the entry, so that a far camera costs no precision. At most 16 lights count.
-    ShellRadiance march(const Vec3f& entry, const Vec3f& direction, const ShellLight* lights, int lightCount,
-                        PixelSampler& sampler);
+    /// `footprintMm`: width of what the pixel sees at the entry; the coarsest level of the grid that shows it is read.
+    ShellRadiance march(const Vec3f& entry, const Vec3f& direction, float footprintMm, const ShellLight* lights,
+                        int lightCount, PixelSampler& sampler);
 
     /// What the shell looks like at a point: frame and exemplar coordinate.
     bool lookup(const Vec3f& point, ShellLookup& out) { return accessor_.lookup(point, out, core_); }

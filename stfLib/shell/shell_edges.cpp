@@ -43,9 +43,8 @@ class EdgeReader {
 public:
     EdgeReader(const RefinedSurface& s, const ExemplarMap& m) : surface_(s), map_(m) {}
 
-    Vec3f point(const Edge& e, int end) const {
-        return surface_.points[std::size_t(surface_.triangles[e.triangle][(e.corner + end) % 3])];
-    }
+    int index(const Edge& e, int end) const { return surface_.triangles[e.triangle][(e.corner + end) % 3]; }
+    Vec3f point(const Edge& e, int end) const { return surface_.points[std::size_t(index(e, end))]; }
     Vec3f normal(const Edge& e, int end) const {
         const std::size_t c = std::size_t(e.corner + end) % 3;
         return surface_.cornerNormals.empty() ? surface_.normals[std::size_t(surface_.triangles[e.triangle][int(c)])]
@@ -106,7 +105,7 @@ ShellEdges findEdges(const RefinedSurface& surface, const ExemplarMap& map) {
             const bool opposed = read.point(a, 0) == read.point(edges[k], 1);
             out.turned += end - i == 2 && !opposed;
             if (read.isSeam(a, edges[k], opposed)) {
-                out.seams.push_back({read.point(a, 0), read.point(a, 1)});
+                out.seams.push_back({read.index(a, 0), read.index(a, 1)});
                 out.seamLength += l;
                 break;
             }

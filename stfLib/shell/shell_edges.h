@@ -9,7 +9,8 @@ namespace stf {
 
 /// Edges of a surface that matter to a shell.
 struct ShellEdges {
-    std::vector<std::pair<Vec3f, Vec3f>> seams; ///< the exemplar's coordinates or the shading normals jump there
+    /// Points of the surface at the ends of edges where the exemplar's coordinates or the shading normals jump.
+    std::vector<std::pair<int, int>> seams;
     double seamLength = 0;                      ///< object units
     std::size_t rims = 0;                       ///< edges of one triangle: the shell ends there in a wall
     double rimLength = 0;

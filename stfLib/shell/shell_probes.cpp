@@ -176,22 +176,30 @@ std::vector<ShellProbe> makeProbes(const ShellSource& source, const ShellEdges& 
         }
         ShellProbe p;
         p.point = points[i];
-        p.foot = prism.p0 + prism.e1 * f.b1 + prism.e2 * f.b2;
         p.exact = shellPoint(source, std::size_t(f.triangle), f.b1, f.b2, f.depth);
         p.seamDistance = seamReach;
         if (isFinite(p.exact.gradX) && isFinite(p.exact.gradY) && std::isfinite(p.exact.exemplar.x) &&
             std::isfinite(p.exact.exemplar.y)) {
             probes.push_back(p);
-            feet.push_back(p.foot);
+            feet.push_back(prism.p0 + prism.e1 * f.b1 + prism.e2 * f.b2);
         }
     }
     const PointCells cells(feet, seamReach);
     for (const auto& [p, q] : edges.seams) {
-        const Vec3d a(p), b(q);
+        const std::size_t ends[2] = {std::size_t(p), std::size_t(q)};
+        Vec3d at[2], down[2];
+        for (int e = 0; e < 2; ++e) {
+            at[e] = Vec3d(source.surface.points[ends[e]]);
+            down[e] = (Vec3d(source.boundary.inner[ends[e]]) - at[e]) / double(source.boundary.thickness[ends[e]]);
+        }
+        const Vec3d &a = at[0], &b = at[1];
         Vec3d lo = a, hi = a;
         grow(b, lo, hi);
         cells.forEach(lo - Vec3d(seamReach), hi + Vec3d(seamReach), [&](std::size_t i) {
-            probes[i].seamDistance = std::min(probes[i].seamDistance, distanceToSegment(feet[i], a, b));
+            ShellProbe& probe = probes[i];
+            const double depth = probe.exact.depth / source.mmPerUnit;
+            probe.seamDistance = std::min(
+                probe.seamDistance, distanceToSegment(probe.point, a + down[0] * depth, b + down[1] * depth));
         });
     }
     return probes;

@@ -13,9 +13,8 @@ namespace stf {
 /// A random point of a shell and the exact answer there: that of the prism whose surface is nearest.
 struct ShellProbe {
     Vec3d point;         ///< object space
-    Vec3d foot;          ///< on the surface, above the point
     ShellPoint exact;    ///< by inversion of the prism
-    double seamDistance; ///< of the foot, object units; the search distance where no seam is nearer
+    double seamDistance; ///< from the wall below the nearest seam, object units; at most the search distance
 };
 
 /// About `count` points, evenly over the shell's volume, with their exact answers; seams are looked for within
