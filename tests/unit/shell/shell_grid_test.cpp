@@ -49,7 +49,10 @@ ShellGrid build(const RefinedSurface& s, const ShellBoundary& b, const ExemplarM
                 float voxel = 0, const MessageSink& sink = {}) {
     ShellGridOptions options;
     options.mmPerUnit = mmPerUnit;
-    options.voxelSize = voxel;
+    // An eighth of the thickness, unless told.
+    options.voxelSize = voxel > 0 || b.thickness.empty()
+                            ? voxel
+                            : *std::max_element(b.thickness.begin(), b.thickness.end()) / 8;
     Progress progress;
     return ShellGrid::build(s, b, map, options, progress, sink);
 }
@@ -440,14 +443,14 @@ TEST(ShellGrid, TooFineAVoxelSizeIsRaisedWithAMessage) {
     Messages messages;
     ShellGridOptions options;
     options.voxelSize = 1e-4f;
-    options.maxSamples = 50000;
+    options.maxBytes = 2 << 20;
     Progress progress;
     const ShellGrid grid =
         ShellGrid::build(s, offsetInward(s, 0.05f, {}), tileByUv(s, {1, 1}, 1, {}), options, progress, messages.sink());
-    EXPECT_TRUE(messages.has("to stay below 50000 samples"));
-    EXPECT_LT(grid.sampleCount(), 60000u);
-    EXPECT_GT(grid.sampleCount(), 30000u);
-    EXPECT_GT(grid.memoryBytes(), grid.sampleCount() * 64);
+    EXPECT_TRUE(messages.has("to stay within 2 MB")) << messages.text;
+    EXPECT_LT(grid.memoryBytes(), std::size_t(2.3 * (1 << 20)));
+    EXPECT_GT(grid.memoryBytes(), std::size_t(1) << 20);
+    EXPECT_GT(grid.memoryBytes(), grid.sampleCount() * 32);
 }
 
 TEST(ShellGrid, OneSlantedTriangleDoesNotFillItsBox) {
@@ -459,7 +462,7 @@ TEST(ShellGrid, OneSlantedTriangleDoesNotFillItsBox) {
     mesh.uvIndices = {0, 1, 2};
     const Shell shell = tiled(mesh, 0.02f, {0.5, 0.5});
     // Area sqrt(3) / 2, thickness 8 voxels and 1.8 beyond both sides, voxel 0.0025.
-    EXPECT_NEAR(double(shell.grid.sampleCount()), std::sqrt(3.0) / 2 * 0.029 / std::pow(0.0025, 3), 3e4);
+    EXPECT_NEAR(double(shell.grid.levels().front().samples), std::sqrt(3.0) / 2 * 0.029 / std::pow(0.0025, 3), 3e4);
     ShellGrid::Accessor accessor(shell.grid);
     ShellLookup l;
     const Vec3f n = normalize(Vec3f(1));
