@@ -17,7 +17,8 @@ namespace {
 
 constexpr float kPi = 3.14159265358979f;
 constexpr std::size_t kMinSamples = 400, kMaxSamples = 2200;
-constexpr int kDomeSamples = 96, kDistantSamples = 8;
+constexpr int kDomeSamples = 96, kNearSamples = 8;
+constexpr int kMaxLights = 32; ///< of a sample of the core; more are chosen from
 
 // Points spread evenly by area over the inner boundary: strata of equal area along the list of triangles.
 struct BoundaryPoints {
@@ -191,12 +192,17 @@ std::vector<Rgb> coreRadiance(const ShellObject& o, const Transform& objectToWor
             const float ior = o.medium->ior(topOfTile(o, frame.exemplar));
 
             const Vec3f worldNormal = normalize(Vec3f(objectToWorld.normal(Vec3d(frame.normal))));
-            for (std::size_t l = 0; l < lights.count(); ++l) {
-                const int n = lights.isDome(l) ? kDomeSamples : kDistantSamples;
+            const Vec3f worldPoint(objectToWorld.point(Vec3d(outer)));
+            LightPick picks[kMaxLights];
+            PixelSampler chooser(seed, i, 0);
+            const int chosen = lights.choose(worldPoint, worldNormal, chooser.next1d(), kMaxLights, picks);
+            for (int p = 0; p < chosen; ++p) {
+                const std::size_t l = picks[p].light;
+                const int n = lights.isDome(l) ? kDomeSamples : kNearSamples;
                 for (int k = 0; k < n; ++k) {
                     PixelSampler sampler(seed + 17 * l, i, std::uint32_t(k));
                     const Vec2f u = sampler.next2d(), v = sampler.next2d();
-                    const LightSample light = lights.sample(l, worldNormal, u);
+                    const LightSample light = lights.sample(l, worldPoint, worldNormal, u);
                     const Vec3f towards = normalize(Vec3f(worldToObject.vector(Vec3d(light.towards))));
                     const Vec3f local = tile.toTile(towards);
                     if (!(local.z > 0) || !(maxComponent(light.irradiance) > 0)) {
@@ -204,17 +210,15 @@ std::vector<Rgb> coreRadiance(const ShellObject& o, const Transform& objectToWor
                     }
                     const Vec3f start =
                         jitterOnSurface(*o.rayMesh, outer, frame.normal, o.blurRadiusMm / o.mmPerUnit, v);
-                    Ray shadow;
-                    shadow.origin =
+                    const Vec3f from =
                         Vec3f(objectToWorld.point(Vec3d(start + frame.normal * offset))) + worldNormal * rounding;
-                    shadow.direction = light.towards;
-                    if (scene.occluded(shadow)) {
+                    if (light.shadows && scene.occluded(shadowRay(from, light))) {
                         continue;
                     }
                     const DirectionWeights w = o.table->directions.weights(local);
                     const Rgb all = ColumnMaps::blend(maps.transmitted, column, w);
                     const Rgb direct = ColumnMaps::blend(maps.direct, column, w);
-                    const Rgb in = light.irradiance / float(n);
+                    const Rgb in = light.irradiance * (picks[p].weight / float(n));
                     // The core has the index of the shell: what has not collided arrives at the refracted angle. Its
                     // share is that of the table's own, scaled medium (DESIGN 3.10).
                     const double cosine = double(fresnel(local.z, ior).cosT);

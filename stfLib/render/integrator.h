@@ -39,7 +39,10 @@ private:
     Ray leaveShell(const PreparedInstance& instance, const Surfel& entry, const Vec3f& direction,
                    const ShellRadiance& through, float& share);
     ShellMarch& marchOf(const PreparedInstance& instance);
-    bool occluded(const Vec3f& origin, const Vec3f& direction);
+    /// At most kMaxLightsPerPath of them, with their weights.
+    int chooseLights(const Vec3f& point, const Vec3f& normal, PixelSampler& sampler, LightPick* picks) const;
+    /// Whether something stands between a point (world) and a light.
+    bool occluded(const Vec3f& origin, const LightSample& light);
 
     const PreparedScene& scene_;
     std::vector<std::unique_ptr<ShellMarch>> marches_;

@@ -258,6 +258,7 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
         {"scene", "lights", s.scene->lights.count() > 0,
          std::to_string(s.scene->lights.count()) + " of " + std::to_string(source.lights().size()) + " give light", 0});
     s.placeInstances(source);
+    s.scene->lights.place(s.scene->origin);
     s.builder.dropUnused();
     const auto emits = [](const PreparedInstance& i) { return i.mesh->shell && i.mesh->shell->medium->emits(); };
     const std::vector<PreparedInstance>& instances = s.scene->instances;
