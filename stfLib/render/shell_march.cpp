@@ -23,11 +23,13 @@ Vec3f topOfTile(const ShellObject& object, const Vec2f& mm) {
 }
 
 ShellMarch::ShellMarch(const ShellObject& object, const Rgb* coreRadiancePerSample)
-    : object_(object), accessor_(object.grid), core_(coreRadiancePerSample), tile_(*object.medium, *object.table) {}
+    : object_(object), probe_(*object.grid, object.pose.get()), core_(coreRadiancePerSample),
+      tile_(*object.medium, *object.table) {}
 
-float ShellMarch::iorAt(const Vec3f& point) {
+float ShellMarch::iorAt(const Vec3f& point, std::uint32_t triangle) {
     ShellLookup at;
-    if (!lookup(point, at)) {
+    probe_.enter(triangle);
+    if (!probe_.lookup(point, at)) {
         return 1;
     }
     const TileMedium& medium = *object_.medium;
@@ -46,13 +48,13 @@ float ShellMarch::iorAt(const Vec3f& point) {
     return medium.ior(p);
 }
 
-ShellRadiance ShellMarch::march(const Vec3f& entry, const Vec3f& direction, float footprintMm, const ShellLight* lights,
-                                int lightCount, PixelSampler& sampler) {
+ShellRadiance ShellMarch::march(const Vec3f& entry, std::uint32_t triangle, const Vec3f& direction, float footprintMm,
+                                const ShellLight* lights, int lightCount, PixelSampler& sampler) {
     const ShellObject& o = object_;
     const Vec3d& voxelMm = o.medium->voxelMm();
     const Vec3f perMm{float(1 / voxelMm.x), float(1 / voxelMm.y), float(1 / voxelMm.z)};
-    const int level = o.grid.levelFor(footprintMm);
-    const float step = o.grid.voxelSize(level);
+    const int level = o.grid->levelFor(footprintMm);
+    const float step = o.grid->voxelSize(level);
     lightCount = std::min(lightCount, kMaxLights);
     MarchLight tileLights[kMaxLights];
     for (int l = 0; l < lightCount; ++l) {
@@ -60,13 +62,14 @@ ShellRadiance ShellMarch::march(const Vec3f& entry, const Vec3f& direction, floa
         tileLights[l].forMultiple = lights[l].forMultiple;
     }
     tile_.begin(sampler);
+    probe_.enter(triangle);
 
     ShellRadiance result;
     // Where the shell ends: at the core or back through the surface.
     Ray ray;
     ray.origin = entry;
     ray.direction = direction;
-    ray.tNear = 1e-3f * o.grid.voxelSize();
+    ray.tNear = 1e-3f * o.grid->voxelSize();
     const bool bounded = o.rayMesh->intersect(ray, result.exit, 3);
     const float tEnd = bounded ? result.exit.t : 4 * o.thicknessMm / o.mmPerUnit; // an open surface has no other side
     result.tExit = tEnd;
@@ -82,7 +85,7 @@ ShellRadiance ShellMarch::march(const Vec3f& entry, const Vec3f& direction, floa
         const float t1 = std::min(t0 + step, tEnd), middle = 0.5f * (t0 + t1);
         const Vec3f point = entry + direction * middle;
         ShellLookup found;
-        if (accessor_.lookup(point, found, core_, level)) {
+        if (probe_.lookup(point, found, core_, level)) {
             at = found;
             if (!known && t0 == 0) {
                 const float found0 = at.depth + dot(at.normal, direction) * o.mmPerUnit * middle;
@@ -99,7 +102,7 @@ ShellRadiance ShellMarch::march(const Vec3f& entry, const Vec3f& direction, floa
             at.depth -= dot(at.normal, direction) * o.mmPerUnit * step;
         }
         if (t1 < tEnd) { // its memory is there when this step is done
-            accessor_.prefetch(point + direction * step, level);
+            probe_.prefetch(point + direction * step, level);
         }
         const TileFrame frame(at);
         for (int l = 0; l < lightCount; ++l) {
