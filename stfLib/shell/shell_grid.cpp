@@ -12,9 +12,9 @@ namespace stf {
 namespace {
 
 constexpr std::size_t kProbes = 8192;
-constexpr double kBytesPerSample = 40;    ///< with its share of leaves
-constexpr double kCoarsestFirst = 0.5;    ///< of the thickness: no finest level is coarser
-constexpr double kFinestOfThickness = 64; ///< voxels across the shell at most, unless set by hand
+constexpr double kBytesPerSample = 40;      ///< with its share of leaves
+constexpr double kCoarsestFirst = 0.5;      ///< of the thickness: no finest level is coarser
+constexpr double kFinestOfThickness = 64;   ///< voxels across the shell at most, unless set by hand
 constexpr double kTypicalWrongShare = 0.12; ///< of points within a voxel of a seam, measured: where to begin
 constexpr int kMostLevels = 12;
 constexpr double kErrorOfFootprint = 0.1; ///< a level's error may be such a share of a pixel's footprint
@@ -131,7 +131,8 @@ private:
             progress_.update("shell grid", std::min(0.3, 0.05 * step));
             ShellLevelReport r;
             grid_.levels.clear();
-            grid_.levels.push_back(makeLevel(voxel, 0, [this](double) { progress_.update("shell grid", 0.3); }, r));
+            grid_.levels.push_back(makeLevel(
+                voxel, 0, [this](double) { progress_.update("shell grid", 0.3); }, r));
             measureLevel(grid_, 0, probes_, texelMm_, r);
             if (met(r)) {
                 grid_.reports.push_back(r); // this is the finest level
@@ -139,9 +140,8 @@ private:
             }
             grid_.levels.clear();
             // Lookups are of second order, seams move by a share of a voxel.
-            double ratio = r.errorTexels() > options_.errorTexels
-                               ? std::sqrt(options_.errorTexels / r.errorTexels()) * 0.95
-                               : 1.0;
+            double ratio =
+                r.errorTexels() > options_.errorTexels ? std::sqrt(options_.errorTexels / r.errorTexels()) * 0.95 : 1.0;
             if (options_.seamTexels > 0 && r.seamTexels > options_.seamTexels) {
                 ratio = std::min(ratio, options_.seamTexels / r.seamTexels * 0.95);
             }
@@ -236,9 +236,10 @@ private:
             report(messages_, Severity::Warning, "the surface is inside out: its shell lies around it, not within");
         }
         if (finest.foldedVoxels) {
-            std::snprintf(text, sizeof text,
-                          "the shell folds over in %zu of %zu voxels: it is thicker than the surface's curvature allows",
-                          finest.foldedVoxels, finest.samples);
+            std::snprintf(
+                text, sizeof text,
+                "the shell folds over in %zu of %zu voxels: it is thicker than the surface's curvature allows",
+                finest.foldedVoxels, finest.samples);
             report(messages_, Severity::Warning, text);
         }
         if (r.crowdedEdges) {

@@ -44,13 +44,12 @@ ExemplarMap analyticMap(const RefinedSurface& s, Vec2d tile, const Coords& coord
 }
 
 inline ShellGrid build(const RefinedSurface& s, const ShellBoundary& b, const ExemplarMap& map, double mmPerUnit = 1,
-                float voxel = 0, const MessageSink& sink = {}) {
+                       float voxel = 0, const MessageSink& sink = {}) {
     ShellGridOptions options;
     options.mmPerUnit = mmPerUnit;
     // An eighth of the thickness, unless told.
-    options.voxelSize = voxel > 0 || b.thickness.empty()
-                            ? voxel
-                            : *std::max_element(b.thickness.begin(), b.thickness.end()) / 8;
+    options.voxelSize =
+        voxel > 0 || b.thickness.empty() ? voxel : *std::max_element(b.thickness.begin(), b.thickness.end()) / 8;
     Progress progress;
     return ShellGrid::build(s, b, map, options, progress, sink);
 }

@@ -52,7 +52,8 @@ Errors errorsOf(const ShellGrid& grid, int level) {
         const double a = points.uniform(-pi, pi), r = points.uniform(0.8, 0.999), z = points.uniform(0.3, 0.7);
         ShellLookup l;
         EXPECT_TRUE(accessor.lookup(Vec3f(Vec3d(r * std::cos(a), r * std::sin(a), z)), l, nullptr, level));
-        const double x = wrapped(double(l.exemplar.x) - a, Tube::tile), y = wrapped(double(l.exemplar.y) - z, Tube::tile);
+        const double x = wrapped(double(l.exemplar.x) - a, Tube::tile),
+                     y = wrapped(double(l.exemplar.y) - z, Tube::tile);
         sum.coordinate += x * x + y * y;
         sum.depth += std::pow(double(l.depth) - (1 - r), 2);
     }
@@ -74,8 +75,8 @@ TEST(ShellLevels, HalveTheVoxelAndConvergeToTheCylinder) {
         // Depth is trilinear: second order. Coordinates are of third, until facets and packing are what is left.
         if (level < 4 && level > 0) {
             EXPECT_GT(std::log2(coarser.depth / e.depth), 1.7) << level << " " << e.depth;
-            EXPECT_GT(std::log2(coarser.coordinate / e.coordinate), level > 1 ? 2.2 : 1.5) << level << " "
-                                                                                          << e.coordinate;
+            EXPECT_GT(std::log2(coarser.coordinate / e.coordinate), level > 1 ? 2.2 : 1.5)
+                << level << " " << e.coordinate;
         }
         coarser = e;
     }
@@ -302,7 +303,7 @@ TEST(ShellLevels, ACodecKeepsWhatItSays) {
         EXPECT_LT(wrapped(q.exemplar.y - p.exemplar.y, 19.2), 19.2 * 0x1p-24);
         EXPECT_NEAR(q.depth, p.depth, 0.51 * codec.depthStep);
         EXPECT_LT(length(q.normal - p.normal), 6.6e-5); // half a step's diagonal, stretched threefold at most
-        for (int a = 0; a < 3; ++a) { // halves: 11 bits, and nothing below 2^-14
+        for (int a = 0; a < 3; ++a) {                   // halves: 11 bits, and nothing below 2^-14
             EXPECT_NEAR(q.gradX[a], p.gradX[a], std::abs(p.gradX[a]) * 0x1p-11 + 0x1p-14);
             EXPECT_NEAR(q.gradY[a], p.gradY[a], std::abs(p.gradY[a]) * 0x1p-11 + 0x1p-14);
         }
