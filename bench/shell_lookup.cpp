@@ -10,8 +10,8 @@
 #include "stfLib/synthesis/choose_mapping.h"
 
 #include <CLI/CLI.hpp>
-#include <ctime>
 #include <cstdio>
+#include <ctime>
 #include <nlohmann/json.hpp>
 #if STF_BENCH_NANOVDB
 #include <nanovdb/util/OpenToNanoVDB.h>
@@ -33,13 +33,16 @@ struct Arguments {
 struct Table {
     int size = 128, layers = 16;
     double tileMm = 64, depthMm = 8;
-    std::vector<float> entries = std::vector<float>(std::size_t(size) * std::size_t(size) * std::size_t(layers) * kEntry, 0.5f);
+    std::vector<float> entries =
+        std::vector<float>(std::size_t(size) * std::size_t(size) * std::size_t(layers) * kEntry, 0.5f);
 
     float fetch(float x, float y, float depth) const {
         const auto index = [](float v, int n) { return int(v) & (n - 1); };
-        const float* e = entries.data() + kEntry * ((std::size_t(index(depth, layers)) * std::size_t(size) +
-                                                     std::size_t(index(y, size))) * std::size_t(size) +
-                                                    std::size_t(index(x, size)));
+        const float* e =
+            entries.data() +
+            kEntry * ((std::size_t(index(depth, layers)) * std::size_t(size) + std::size_t(index(y, size))) *
+                          std::size_t(size) +
+                      std::size_t(index(x, size)));
         float sum = 0;
         for (int k = 0; k < kEntry; ++k) {
             sum += e[k];
@@ -70,7 +73,8 @@ std::vector<Vec3f> rayPoints(const RefinedSurface& s, const ShellBoundary& b, do
     std::vector<Vec3f> points;
     for (std::uint64_t i = 0; int(points.size()) < count; ++i) {
         CounterRng random(7, i);
-        const std::size_t t = std::min(s.triangles.size() - 1, std::size_t(double(random.uniform()) * double(s.triangles.size())));
+        const std::size_t t =
+            std::min(s.triangles.size() - 1, std::size_t(double(random.uniform()) * double(s.triangles.size())));
         const Vec3i& tri = s.triangles[t];
         float u = random.uniform(), v = random.uniform();
         if (u + v > 1) {
@@ -110,8 +114,7 @@ double perSecond(std::size_t count, int rounds, const F& f) {
 }
 
 nlohmann::ordered_json measure(const ShellGrid& grid, const ShellGridData& data, const Table& table,
-                               const std::vector<Vec3f>& points, int rounds,
-                               const openvdb::Int32Tree& tree) {
+                               const std::vector<Vec3f>& points, int rounds, const openvdb::Int32Tree& tree) {
     const ShellLevel& level = data.levels.front();
     const double perVoxel = 1 / level.voxel;
     const float toTable = float(table.size / table.tileMm), toLayer = float(table.layers / table.depthMm);
@@ -129,7 +132,8 @@ nlohmann::ordered_json measure(const ShellGrid& grid, const ShellGridData& data,
         for (const Vec3f& p : points) {
             if (accessor.lookup(p, l)) {
                 ++found;
-                sum += table.fetch(l.exemplar.x * toTable + 1024, l.exemplar.y * toTable + 1024, l.depth * toLayer + 1024);
+                sum +=
+                    table.fetch(l.exemplar.x * toTable + 1024, l.exemplar.y * toTable + 1024, l.depth * toLayer + 1024);
             }
         }
         return sum;
@@ -140,7 +144,8 @@ nlohmann::ordered_json measure(const ShellGrid& grid, const ShellGridData& data,
         for (std::size_t i = 0; i < points.size(); ++i) {
             accessor.prefetch(points[std::min(i + 2, points.size() - 1)]);
             if (accessor.lookup(points[i], l)) {
-                sum += table.fetch(l.exemplar.x * toTable + 1024, l.exemplar.y * toTable + 1024, l.depth * toLayer + 1024);
+                sum +=
+                    table.fetch(l.exemplar.x * toTable + 1024, l.exemplar.y * toTable + 1024, l.depth * toLayer + 1024);
             }
         }
         return sum;
@@ -250,8 +255,7 @@ int run(const Arguments& a) {
     j["bytesOpenVDB"] = tree.memUsage();
     j["scanSeconds"] = grid.levels().front().seconds;
     for (const bool scattered : {false, true}) {
-        const std::vector<Vec3f> points =
-            rayPoints(surface, boundary, double(grid.voxelSize()), a.lookups, scattered);
+        const std::vector<Vec3f> points = rayPoints(surface, boundary, double(grid.voxelSize()), a.lookups, scattered);
         j[scattered ? "random" : "rays"] = measure(grid, data, table, points, a.rounds, tree);
     }
     std::puts(j.dump().c_str());

@@ -8,7 +8,7 @@ namespace stf {
 
 namespace {
 
-constexpr double kJump = 1e-3;      ///< of the tile: coordinates that differ by more do not continue each other
+constexpr double kJump = 1e-3;       ///< of the tile: coordinates that differ by more do not continue each other
 constexpr float kSharpCosine = 0.7f; ///< shading normals that differ by more make a hard edge
 
 struct Edge {

@@ -44,16 +44,14 @@ void ShellGrid::write(const std::string& path) const {
     const ShellLevel& level = impl_->levels.front();
     openvdb::GridPtrVec grids;
     using openvdb::FloatGrid;
-    grids.push_back(
-        toOpenVdb<FloatGrid>(level, "exemplar_x", [](const ShellPoint& p) { return float(p.exemplar.x); }));
-    grids.push_back(
-        toOpenVdb<FloatGrid>(level, "exemplar_y", [](const ShellPoint& p) { return float(p.exemplar.y); }));
+    grids.push_back(toOpenVdb<FloatGrid>(level, "exemplar_x", [](const ShellPoint& p) { return float(p.exemplar.x); }));
+    grids.push_back(toOpenVdb<FloatGrid>(level, "exemplar_y", [](const ShellPoint& p) { return float(p.exemplar.y); }));
     grids.push_back(toOpenVdb<FloatGrid>(level, "depth", [](const ShellPoint& p) { return float(p.depth); }));
     grids.push_back(toOpenVdb<openvdb::Vec3SGrid>(level, "normal", [](const ShellPoint& p) {
         return openvdb::Vec3f(float(p.normal.x), float(p.normal.y), float(p.normal.z));
     }));
-    grids.push_back(toOpenVdb<openvdb::Int32Grid>(level, "triangle",
-                                                  [](const ShellPoint& p) { return std::int32_t(p.triangle); }));
+    grids.push_back(
+        toOpenVdb<openvdb::Int32Grid>(level, "triangle", [](const ShellPoint& p) { return std::int32_t(p.triangle); }));
     const std::string temporary = path + ".part";
     try {
         openvdb::io::File(temporary).write(grids);

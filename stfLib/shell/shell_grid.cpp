@@ -12,9 +12,10 @@ namespace stf {
 namespace {
 
 constexpr std::size_t kProbes = 8192;
-constexpr double kBytesPerSample = 40;    ///< with its share of leaves
-constexpr double kCoarsestFirst = 0.5;    ///< of the thickness: no finest level is coarser
-constexpr double kFinestOfThickness = 64; ///< voxels across the shell at most, unless set by hand
+constexpr double kBytesPerSample = 40;      ///< with its share of leaves
+constexpr double kCoarsestFirst = 0.5;      ///< of the thickness: no finest level is coarser
+constexpr double kFinestOfThickness = 64;   ///< voxels across the shell at most, unless set by hand
+constexpr double kTypicalWrongShare = 0.12; ///< of points within a voxel of a seam, measured: where to begin
 constexpr int kMostLevels = 12;
 constexpr double kErrorOfFootprint = 0.1; ///< a level's error may be such a share of a pixel's footprint
 constexpr double kSeamOfFootprint = 0.5;  ///< and the displacement of its seams such a share
@@ -94,7 +95,7 @@ public:
         grid_.report.turnedEdges = edges.turned;
         grid_.report.insideOut = !edges.rims && !edges.crowded && !edges.turned && signedVolume(source_.surface) < 0;
         const bool byHand = options_.voxelSize > 0 && std::isfinite(options_.voxelSize);
-        const double first = byHand ? double(options_.voxelSize) : kCoarsestFirst * thickness_;
+        const double first = byHand ? double(options_.voxelSize) : firstGuess(edges);
         probes_ = makeProbes(source_, edges, kProbes, std::max(thickness_, first));
         grid_.report.probes = probes_.size();
         const double finest = byHand ? limited(first) : refine(first);
@@ -105,6 +106,16 @@ public:
     }
 
 private:
+    /// What seams ask for, where they do; else the coarsest.
+    double firstGuess(const ShellEdges& edges) const {
+        const double coarsest = kCoarsestFirst * thickness_;
+        if (edges.seams.empty() || !(options_.seamTexels > 0)) {
+            return coarsest;
+        }
+        const double voxelMm = options_.seamTexels * texelMm_ / (2 * kTypicalWrongShare);
+        return std::clamp(voxelMm / source_.mmPerUnit, thickness_ / kFinestOfThickness, coarsest);
+    }
+
     bool met(const ShellLevelReport& r) const {
         return r.errorTexels() <= options_.errorTexels &&
                (!(options_.seamTexels > 0) || r.seamTexels <= options_.seamTexels);
@@ -120,20 +131,21 @@ private:
             progress_.update("shell grid", std::min(0.3, 0.05 * step));
             ShellLevelReport r;
             grid_.levels.clear();
-            grid_.levels.push_back(makeLevel(voxel, 0, [this](double) { progress_.update("shell grid", 0.3); }, r));
+            grid_.levels.push_back(makeLevel(
+                voxel, 0, [this](double) { progress_.update("shell grid", 0.3); }, r));
             measureLevel(grid_, 0, probes_, texelMm_, r);
-            grid_.levels.clear();
             if (met(r)) {
+                grid_.reports.push_back(r); // this is the finest level
                 return voxel;
             }
+            grid_.levels.clear();
             // Lookups are of second order, seams move by a share of a voxel.
-            double ratio = r.errorTexels() > options_.errorTexels
-                               ? std::sqrt(options_.errorTexels / r.errorTexels()) * 0.95
-                               : 1.0;
+            double ratio =
+                r.errorTexels() > options_.errorTexels ? std::sqrt(options_.errorTexels / r.errorTexels()) * 0.95 : 1.0;
             if (options_.seamTexels > 0 && r.seamTexels > options_.seamTexels) {
                 ratio = std::min(ratio, options_.seamTexels / r.seamTexels * 0.95);
             }
-            voxel *= std::clamp(ratio, 0.5, 0.8);
+            voxel *= std::clamp(ratio, 0.4, 0.8);
         }
     }
 
@@ -195,9 +207,9 @@ private:
 
     void buildLevels(double finest) {
         const std::vector<double> voxels = voxelsOf(finest);
-        std::size_t samples = 0;
+        std::size_t samples = grid_.sampleCount();
         double done = 0.3;
-        for (std::size_t i = 0; i < voxels.size(); ++i) {
+        for (std::size_t i = grid_.levels.size(); i < voxels.size(); ++i) {
             // The finest is most of the work.
             const double share = i == 0 ? 0.6 : 0.1 / double(voxels.size());
             ShellLevelReport r;
@@ -224,9 +236,10 @@ private:
             report(messages_, Severity::Warning, "the surface is inside out: its shell lies around it, not within");
         }
         if (finest.foldedVoxels) {
-            std::snprintf(text, sizeof text,
-                          "the shell folds over in %zu of %zu voxels: it is thicker than the surface's curvature allows",
-                          finest.foldedVoxels, finest.samples);
+            std::snprintf(
+                text, sizeof text,
+                "the shell folds over in %zu of %zu voxels: it is thicker than the surface's curvature allows",
+                finest.foldedVoxels, finest.samples);
             report(messages_, Severity::Warning, text);
         }
         if (r.crowdedEdges) {

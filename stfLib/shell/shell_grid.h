@@ -28,9 +28,9 @@ struct ShellGridOptions {
     float voxelSize = 0; ///< object units, of the finest level; 0: by the two errors below
     int levels = 0;      ///< at most so many; 0: until a voxel is as large as the shell is thick
     double mmPerUnit = 1;
-    double texelMm = 0;        ///< what errors are measured in; 0: a 64th of the tile
-    double errorTexels = 0.1;  ///< wanted rms error of coordinates and of the depth, away from seams
-    double seamTexels = 0;     ///< wanted mean displacement of seams; 0: any
+    double texelMm = 0;                          ///< what errors are measured in; 0: a 64th of the tile
+    double errorTexels = 0.1;                    ///< wanted rms error of coordinates and of the depth, away from seams
+    double seamTexels = 0;                       ///< wanted mean displacement of seams; 0: any
     std::size_t maxBytes = std::size_t(2) << 30; ///< of all levels; voxels grow until they fit, with a message
 };
 
@@ -38,29 +38,29 @@ struct ShellGridOptions {
 struct ShellLevelReport {
     double voxel = 0; ///< object units
     std::size_t samples = 0, bytes = 0;
-    double seconds = 0;          ///< of scan conversion
-    double exemplarTexels = 0;   ///< rms, of points more than a voxel from seams
-    double depthTexels = 0;      ///< rms
-    double depthVoxels = 0;      ///< rms
-    double normalDegrees = 0;    ///< rms
-    double otherSheetShare = 0;  ///< of those points: they see another part of the surface
-    double seamWrongShare = 0;   ///< of points within a voxel of a seam: they see the wrong patch
-    double seamTexels = 0;       ///< mean displacement of seams that follows
-    double missingShare = 0;     ///< of all points: the grid has nothing there
+    double seconds = 0;           ///< of scan conversion
+    double exemplarTexels = 0;    ///< rms, of points more than a voxel from seams
+    double depthTexels = 0;       ///< rms
+    double depthVoxels = 0;       ///< rms
+    double normalDegrees = 0;     ///< rms
+    double otherSheetShare = 0;   ///< of those points: they see another part of the surface
+    double seamWrongShare = 0;    ///< of points within a voxel of a seam: they see the wrong patch
+    double seamTexels = 0;        ///< mean displacement of seams that follows
+    double missingShare = 0;      ///< of all points: the grid has nothing there
     std::size_t foldedVoxels = 0; ///< inside the shell, and inside out
     double errorTexels() const { return std::max(exemplarTexels, depthTexels); }
 };
 
 /// Of the grid as a whole.
 struct ShellGridReport {
-    std::size_t probes = 0;            ///< random points that errors were measured at
+    std::size_t probes = 0;               ///< random points that errors were measured at
     double seamLength = 0, rimLength = 0; ///< object units
-    std::size_t rimEdges = 0;          ///< edges of one triangle: an open surface's shell ends there in a wall
-    std::size_t crowdedEdges = 0;      ///< of more than two triangles: where shells overlap the nearer surface wins
-    std::size_t turnedEdges = 0;       ///< between triangles of opposite orientation
-    std::size_t unusableTriangles = 0; ///< without area
-    bool insideOut = false;            ///< a closed surface whose triangles face inward
-    bool errorMet = true;              ///< false: the memory limit or the finest sensible voxel came first
+    std::size_t rimEdges = 0;             ///< edges of one triangle: an open surface's shell ends there in a wall
+    std::size_t crowdedEdges = 0;         ///< of more than two triangles: where shells overlap the nearer surface wins
+    std::size_t turnedEdges = 0;          ///< between triangles of opposite orientation
+    std::size_t unusableTriangles = 0;    ///< without area
+    bool insideOut = false;               ///< a closed surface whose triangles face inward
+    bool errorMet = true;                 ///< false: the memory limit or the finest sensible voxel came first
 };
 
 struct ShellGridData;

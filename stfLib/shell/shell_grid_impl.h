@@ -44,7 +44,8 @@ public:
         unsigned present = 0;         ///< bit c: corner c has a sample
         std::uint32_t number[8];      ///< in the whole grid
     };
-    /// Samples of the voxels whose middles surround a place, whose whole part in voxels is `floor`; false where there is none.
+    /// Samples of the voxels whose middles surround a place, whose whole part in voxels is `floor`; false where there
+    /// is none.
     bool corners(const Vec3i& floor, int level, Corners& out) {
         return corners(views_[std::size_t(level)], floor.x, floor.y, floor.z, out);
     }

@@ -66,9 +66,9 @@ void ShellLevel::finish(std::uint32_t firstNumber) {
             ShellLeaf& leaf = leaves_[i];
             leaf.number += firstNumber;
             for (int n = 0; n < 8; ++n) {
-                const ShellLeaf* next = find(leaf.origin.x + (n >> 2 & 1) * kLeafSize,
-                                             leaf.origin.y + (n >> 1 & 1) * kLeafSize,
-                                             leaf.origin.z + (n & 1) * kLeafSize);
+                const ShellLeaf* next =
+                    find(leaf.origin.x + (n >> 2 & 1) * kLeafSize, leaf.origin.y + (n >> 1 & 1) * kLeafSize,
+                         leaf.origin.z + (n & 1) * kLeafSize);
                 leaf.next[n] = next ? std::uint32_t(next - leaves_.data()) : kNoLeaf;
             }
         }

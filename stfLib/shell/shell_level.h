@@ -18,8 +18,8 @@ struct alignas(64) ShellLeaf {
     const ShellSample* samples = nullptr; ///< those of its voxels, in order, without gaps
     std::uint32_t number = 0;             ///< of the first, in the whole grid
     std::uint32_t count = 0;
-    std::uint32_t next[8] = {}; ///< leaves of higher coordinates: bit 2 x, bit 1 y, bit 0 z; [0]: this one
-    Vec3i origin;               ///< voxel of lowest coordinates
+    std::uint32_t next[8] = {};           ///< leaves of higher coordinates: bit 2 x, bit 1 y, bit 0 z; [0]: this one
+    Vec3i origin;                         ///< voxel of lowest coordinates
     std::uint8_t row[kLeafRows] = {};     ///< voxels along z that have a sample, by 8 x + y
     std::uint16_t before[kLeafRows] = {}; ///< samples of the rows before
 
@@ -84,7 +84,7 @@ private:
     std::vector<Slot> slots_;
     std::size_t count_ = 0, mask_ = 0;
     int shift_ = 63;
-    Vec3i lowest_;                     ///< leaf coordinates
+    Vec3i lowest_;                        ///< leaf coordinates
     std::uint32_t extent_[3] = {0, 0, 0}; ///< in leaves; each below 2^21
 };
 

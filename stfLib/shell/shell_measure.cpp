@@ -5,7 +5,7 @@ namespace stf {
 
 namespace {
 
-constexpr double kWrongTexels = 1;       ///< off by more near a seam: the wrong patch
+constexpr double kWrongTexels = 1;        ///< off by more near a seam: the wrong patch
 constexpr double kOtherSheetCosine = 0.5; ///< between normals: another part of the surface
 
 double unwrapped(double d, double tile) {

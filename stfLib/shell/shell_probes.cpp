@@ -198,8 +198,8 @@ std::vector<ShellProbe> makeProbes(const ShellSource& source, const ShellEdges& 
         cells.forEach(lo - Vec3d(seamReach), hi + Vec3d(seamReach), [&](std::size_t i) {
             ShellProbe& probe = probes[i];
             const double depth = probe.exact.depth / source.mmPerUnit;
-            probe.seamDistance = std::min(
-                probe.seamDistance, distanceToSegment(probe.point, a + down[0] * depth, b + down[1] * depth));
+            probe.seamDistance =
+                std::min(probe.seamDistance, distanceToSegment(probe.point, a + down[0] * depth, b + down[1] * depth));
         });
     }
     return probes;

@@ -12,18 +12,18 @@ namespace stf {
 
 /// What is known at the middle of a voxel, as it is before packing.
 struct ShellPoint {
-    Vec2d exemplar;          ///< tile mm, any representative modulo the tile
-    double depth = 0;        ///< mm below the limit surface
-    Vec3d gradX, gradY;      ///< tile mm per mm of the object
-    Vec3d normal;            ///< unit
+    Vec2d exemplar;     ///< tile mm, any representative modulo the tile
+    double depth = 0;   ///< mm below the limit surface
+    Vec3d gradX, gradY; ///< tile mm per mm of the object
+    Vec3d normal;       ///< unit
     std::uint32_t triangle = 0;
     float b1 = 0, b2 = 0; ///< barycentric
 };
 
-/// The same in 32 bytes, two samples in a cache line. Coordinates are fractions of the tile in 24 bits, so that integers
-/// wrap as the tile does (16 bits would be off by a sixteenth of a texel in a tile of 4096); the depth is in 16 bits of
-/// its range, gradients are halves, the normal an octahedral map in 2 x 16 bits (Meyer et al. 2010, "On floating-point
-/// normal vectors").
+/// The same in 32 bytes, two samples in a cache line. Coordinates are fractions of the tile in 24 bits, so that
+/// integers wrap as the tile does (16 bits would be off by a sixteenth of a texel in a tile of 4096); the depth is in
+/// 16 bits of its range, gradients are halves, the normal an octahedral map in 2 x 16 bits (Meyer et al. 2010, "On
+/// floating-point normal vectors").
 struct alignas(32) ShellSample {
     std::int16_t gradient[6]; ///< of x, then of y, as halves without denormals
     std::int16_t octahedral[2];

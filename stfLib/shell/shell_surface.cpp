@@ -214,8 +214,7 @@ std::vector<double> areas(const RefinedSurface& surface) {
 
 /// What each limit did; the lowest counts.
 ShellClamping explain(const RefinedSurface& surface, float thickness, const std::vector<float>& byCurvature,
-                      const std::vector<float>& byThinParts, const std::vector<char>& turned,
-                      ShellBoundary& boundary) {
+                      const std::vector<float>& byThinParts, const std::vector<char>& turned, ShellBoundary& boundary) {
     ShellClamping out;
     out.lowest = thickness;
     const std::vector<double> area = areas(surface);
@@ -229,10 +228,10 @@ ShellClamping explain(const RefinedSurface& surface, float thickness, const std:
         }
         ++boundary.clampedPoints;
         const float limit = std::min(byCurvature[i], byThinParts[i]);
-        double& cause = turned[i]                           ? out.turned
+        double& cause = turned[i]                            ? out.turned
                         : !(limit < thickness * (1 - 1e-5f)) ? out.beside
-                        : byThinParts[i] <= byCurvature[i]  ? out.thinParts
-                                                            : out.curvature;
+                        : byThinParts[i] <= byCurvature[i]   ? out.thinParts
+                                                             : out.curvature;
         cause += area[i];
     }
     for (double* share : {&out.curvature, &out.thinParts, &out.turned, &out.beside}) {
@@ -277,12 +276,13 @@ ShellBoundary offsetInward(const RefinedSurface& surface, float thickness, const
     if (boundary.clampedPoints) {
         const ShellClamping& c = boundary.clamping;
         char text[400];
-        std::snprintf(text, sizeof text,
-                      "the shell is thinner than wanted at %d of %zu points (down to %.3g of %.3g units), on %.2g %% of "
-                      "the surface where it would fold over, %.2g %% where it would meet the other side, %.2g %% where "
-                      "triangles would turn over and %.2g %% beside those",
-                      boundary.clampedPoints, surface.points.size(), double(c.lowest), double(thickness),
-                      100 * c.curvature, 100 * c.thinParts, 100 * c.turned, 100 * c.beside);
+        std::snprintf(
+            text, sizeof text,
+            "the shell is thinner than wanted at %d of %zu points (down to %.3g of %.3g units), on %.2g %% of "
+            "the surface where it would fold over, %.2g %% where it would meet the other side, %.2g %% where "
+            "triangles would turn over and %.2g %% beside those",
+            boundary.clampedPoints, surface.points.size(), double(c.lowest), double(thickness), 100 * c.curvature,
+            100 * c.thinParts, 100 * c.turned, 100 * c.beside);
         report(messages, Severity::Warning, text);
     }
     return boundary;

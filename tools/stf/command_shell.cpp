@@ -128,7 +128,8 @@ void run(const Arguments& a) {
 } // namespace
 
 void addShellCommand(CLI::App& app) {
-    auto* command = app.add_subcommand("shell", "Build the shell grid of a mesh and measure its errors (docs/shell.md)");
+    auto* command =
+        app.add_subcommand("shell", "Build the shell grid of a mesh and measure its errors (docs/shell.md)");
     auto a = std::make_shared<Arguments>();
     command->add_option("mesh", a->mesh, "OBJ, PLY, STL, OFF or USD")->required();
     command->add_option("volume", a->volume, "Base volume (.vdb)")->required();

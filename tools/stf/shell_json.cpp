@@ -34,10 +34,18 @@ std::string shellJson(const ShellGrid& grid, const ShellBoundary& boundary, cons
     j["bytes"] = grid.memoryBytes();
     j["samples"] = grid.sampleCount();
     const ShellClamping& c = boundary.clamping;
-    j["clamped"] = {{"points", boundary.clampedPoints}, {"curvature", c.curvature}, {"thinParts", c.thinParts},
-                    {"turned", c.turned},               {"beside", c.beside},       {"lowest", c.lowest}};
-    j["edges"] = {{"seamLength", r.seamLength},     {"rims", r.rimEdges},      {"rimLength", r.rimLength},
-                  {"crowded", r.crowdedEdges},      {"turned", r.turnedEdges}, {"insideOut", r.insideOut},
+    j["clamped"] = {{"points", boundary.clampedPoints},
+                    {"curvature", c.curvature},
+                    {"thinParts", c.thinParts},
+                    {"turned", c.turned},
+                    {"beside", c.beside},
+                    {"lowest", c.lowest}};
+    j["edges"] = {{"seamLength", r.seamLength},
+                  {"rims", r.rimEdges},
+                  {"rimLength", r.rimLength},
+                  {"crowded", r.crowdedEdges},
+                  {"turned", r.turnedEdges},
+                  {"insideOut", r.insideOut},
                   {"unusableTriangles", r.unusableTriangles}};
     for (const auto& [stage, seconds] : run.seconds) {
         j["stageSeconds"][stage] = seconds;
@@ -55,11 +63,10 @@ std::string shellText(const ShellGrid& grid, const ShellBoundary& boundary, cons
             "missing\n";
     int number = 0;
     for (const ShellLevelReport& l : grid.levels()) {
-        std::snprintf(line, sizeof line,
-                      "%5d %9.4g %11zu %7.1f %7.2f %10.4f %10.4f %7.3f' %9.2f %% %8.3f %5.2f %% %6.3f %%\n", number++,
-                      l.voxel, l.samples, double(l.bytes) / 1e6, l.seconds, l.exemplarTexels, l.depthTexels,
-                      60 * l.normalDegrees, 100 * l.seamWrongShare, l.seamTexels, 100 * l.otherSheetShare,
-                      100 * l.missingShare);
+        std::snprintf(
+            line, sizeof line, "%5d %9.4g %11zu %7.1f %7.2f %10.4f %10.4f %7.3f' %9.2f %% %8.3f %5.2f %% %6.3f %%\n",
+            number++, l.voxel, l.samples, double(l.bytes) / 1e6, l.seconds, l.exemplarTexels, l.depthTexels,
+            60 * l.normalDegrees, 100 * l.seamWrongShare, l.seamTexels, 100 * l.otherSheetShare, 100 * l.missingShare);
         text += line;
     }
     const ShellClamping& c = boundary.clamping;
@@ -69,11 +76,12 @@ std::string shellText(const ShellGrid& grid, const ShellBoundary& boundary, cons
                   100 * c.curvature, 100 * c.thinParts, 100 * c.turned, 100 * c.beside, double(c.lowest));
     text += line;
     const ShellGridReport& r = grid.report();
-    std::snprintf(line, sizeof line,
-                  "seams %.4g units long, %zu rim edges (%.4g units), %zu edges of more than two triangles, %zu between "
-                  "opposite orientations%s\n",
-                  r.seamLength, r.rimEdges, r.rimLength, r.crowdedEdges, r.turnedEdges,
-                  r.insideOut ? "; the surface is inside out" : "");
+    std::snprintf(
+        line, sizeof line,
+        "seams %.4g units long, %zu rim edges (%.4g units), %zu edges of more than two triangles, %zu between "
+        "opposite orientations%s\n",
+        r.seamLength, r.rimEdges, r.rimLength, r.crowdedEdges, r.turnedEdges,
+        r.insideOut ? "; the surface is inside out" : "");
     text += line;
     for (const auto& [stage, seconds] : run.seconds) {
         std::snprintf(line, sizeof line, "%s %.2f s, ", stage.c_str(), seconds);
