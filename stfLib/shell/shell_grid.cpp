@@ -13,12 +13,12 @@ namespace {
 
 constexpr std::size_t kProbes = 8192;
 constexpr double kBytesPerSample = 40;      ///< with its share of leaves
-constexpr double kCoarsestFirst = 0.5;      ///< of the thickness: no finest level is coarser
+constexpr double kCoarsestFirst = 0.25;      ///< of the thickness: no finest level is coarser
 constexpr double kFinestOfThickness = 64;   ///< voxels across the shell at most, unless set by hand
 constexpr double kTypicalWrongShare = 0.12; ///< of points within a voxel of a seam, measured: where to begin
 constexpr int kMostLevels = 12;
 constexpr double kErrorOfFootprint = 0.1; ///< a level's error may be such a share of a pixel's footprint
-constexpr double kSeamOfFootprint = 0.5;  ///< and the displacement of its seams such a share
+constexpr double kSeamOfFootprint = 0.1;  ///< and the mean displacement of its seams such a share
 
 /// Samples of a shell at a voxel size: area times thickness and margins, curvature left aside.
 double estimatedSamples(const ShellSource& source, double voxel) {

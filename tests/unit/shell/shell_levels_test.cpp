@@ -171,7 +171,7 @@ TEST(ShellLevels, RefinementStopsWhereTheErrorIsMet) {
     ShellGridOptions options;
     options.texelMm = Tube::tile / 32;
     double before = 1;
-    for (double wanted : {0.2, 0.05, 0.0125}) {
+    for (double wanted : {0.05, 0.0125, 0.003}) {
         options.errorTexels = wanted;
         Messages messages;
         const ShellGrid grid = built(tube, options, messages.sink());
