@@ -7,7 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <numeric>
 
 namespace stf {
 
@@ -19,10 +19,12 @@ constexpr int kFineSamples = 800;  ///< and in the second
 constexpr int kJumpSamples = 40;   ///< whose texels alike become candidates
 constexpr int kRandomCandidates = 48;
 constexpr int kFinalists = 24;
-constexpr int kBins = 16;        ///< of the usage map, along each axis
-constexpr float kCap = 8;        ///< a mismatch counts at most this many times the sample's own: then it is a break
-constexpr double kVisible = 2.5; ///< steps of lightness, over a neighbourhood
-constexpr float kRival = 0.12f;  ///< of remoteness: where two charts may meet
+constexpr int kBins = 16;         ///< of the usage map, along each axis
+constexpr int kBells = 32;        ///< of the map of what is shown nearby: places along each axis
+constexpr float kNoticed = 0.02f; ///< of an ordinary chart's area: what shows less is not seen to repeat
+constexpr float kCap = 8;         ///< a mismatch counts at most this many times the sample's own: then it is a break
+constexpr double kVisible = 2.5;  ///< steps of lightness, over a neighbourhood
+constexpr float kRival = 0.12f;   ///< of remoteness: where two charts may meet
 
 /// A place where a chart overlaps another that has chosen.
 struct Constraint {
@@ -92,6 +94,24 @@ private:
                 c[n++] = c[i];
             }
             c.resize(n);
+        }
+        // The charts that show most set what is ordinary.
+        std::vector<float> area;
+        for (std::size_t c = 0; c < core_.size(); ++c) {
+            area.push_back(coreWeight_[c] * float(core_[c].size()));
+        }
+        weight_ = area;
+        std::sort(area.begin(), area.end(), std::greater<>());
+        double sum = 0, total = std::accumulate(area.begin(), area.end(), 0.0), ordinary = 1;
+        for (float a : area) {
+            sum += double(a);
+            ordinary = double(a);
+            if (sum >= 0.5 * total) {
+                break;
+            }
+        }
+        for (float& w : weight_) {
+            w = float(std::min(1.0, double(w) / std::max(1.0, ordinary)));
         }
     }
 
@@ -311,48 +331,64 @@ private:
         return n > 0 ? float(sum / n / (fair + 1e-3 * used_) - 1) : 0;
     }
 
-    /// How much charts nearby show the same place.
-    float repeated(int c, const Vec2f& offset, const std::vector<std::pair<int, float>>& near) const {
-        float sum = 0;
-        for (const auto& [o, distanceMm] : near) {
-            const Vec2f d = offset - offset_[std::size_t(o)];
-            const float x = d.x / tile_.x, y = d.y / tile_.y;
-            const float u = x - std::nearbyint(x), v = y - std::nearbyint(y);
-            const float apart = distanceMm / std::min(tile_.x, tile_.y);
-            // Charts that overlap may well show neighbouring places: only what is further off repeats.
-            if (distanceMm > 0.8f * cover_.charts[std::size_t(c)].radiusMm) {
-                sum += std::exp(-(u * u + v * v) / (0.2f * 0.2f)) * std::exp(-0.25f * apart * apart);
-            }
-        }
-        return sum;
-    }
-
-    std::vector<std::pair<int, float>> chartsNear(int c) const {
-        std::vector<std::pair<int, float>> near;
+    /// How much charts nearby show the same place, over the tile of offsets: a bell around the offset of each, on a
+    /// lattice, for there are many charts nearby where the surface is thin and branched, and many candidates.
+    std::vector<float> repetitionMap(int c) const {
+        std::vector<float> map(std::size_t(kBells * kBells), 0.0f);
         const Vec3f p = g_.points[std::size_t(cover_.charts[std::size_t(c)].seed)];
-        const float reach = 3.5f * std::min(tile_.x, tile_.y);
+        const float side = std::min(tile_.x, tile_.y), reach = 3.5f * side;
+        float alongX[kBells], alongY[kBells];
+        const auto bell = [](float at, float(&out)[kBells]) {
+            for (int i = 0; i < kBells; ++i) {
+                const float d = (float(i) + 0.5f) / kBells - at, u = d - std::nearbyint(d);
+                out[i] = std::exp(-u * u / (0.2f * 0.2f));
+            }
+        };
         for (std::size_t o = 0; o < cover_.charts.size(); ++o) {
-            if (int(o) != c && chosen_[o] && cover_.charts[o].count > 8) {
-                const float d = float(mmPerUnit_) * length(g_.points[std::size_t(cover_.charts[o].seed)] - p);
-                if (d < reach) {
-                    near.push_back({int(o), d});
+            if (int(o) == c || !chosen_[o] || !(weight_[o] > kNoticed)) {
+                continue;
+            }
+            const float d = float(mmPerUnit_) * length(g_.points[std::size_t(cover_.charts[o].seed)] - p);
+            // Charts that overlap may well show neighbouring places: only what is further off repeats.
+            if (d < reach && d > 0.8f * cover_.charts[std::size_t(c)].radiusMm) {
+                const float w = weight_[o] * std::exp(-0.25f * d * d / (side * side));
+                bell(offset_[o].x / tile_.x, alongX);
+                bell(offset_[o].y / tile_.y, alongY);
+                for (int y = 0; y < kBells; ++y) {
+                    const float row = w * alongY[y];
+                    for (int x = 0; x < kBells; ++x) {
+                        map[std::size_t(y * kBells + x)] += row * alongX[x];
+                    }
                 }
             }
         }
-        return near;
+        return map;
+    }
+
+    float repeated(const std::vector<float>& map, const Vec2f& offset) const {
+        const auto place = [](float of, int& low, int& high) {
+            const float u = (of - std::floor(of)) * kBells - 0.5f, f = std::floor(u);
+            low = (int(f) + kBells) % kBells;
+            high = (low + 1) % kBells;
+            return u - f;
+        };
+        int x0, x1, y0, y1;
+        const float u = place(offset.x / tile_.x, x0, x1), v = place(offset.y / tile_.y, y0, y1);
+        const auto at = [&](int x, int y) { return map[std::size_t(y * kBells + x)]; };
+        return (1 - v) * ((1 - u) * at(x0, y0) + u * at(x1, y0)) + v * ((1 - u) * at(x0, y1) + u * at(x1, y1));
     }
 
     Vec2f choose(int c, int sweep) const {
         const std::vector<Constraint> all = constraintsOf(c);
         std::vector<Candidate> list = candidates(c, sweep, all);
         const std::vector<Constraint> few = thinned(all, kCoarseSamples), many = thinned(all, kFineSamples);
-        const std::vector<std::pair<int, float>> near = chartsNear(c);
+        const std::vector<float> shownNearby = repetitionMap(c);
         const AppearanceImage& coarse = ex_.stack[std::min<std::size_t>(1, ex_.stack.size() - 1)];
         std::vector<float> other(list.size());
         parallelFor(list.size(), 16, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
                 other[i] = variety_ * (float(options_.usage) * overuse(c, list[i].offset) +
-                                       float(options_.repetition) * repeated(c, list[i].offset, near));
+                                       float(options_.repetition) * repeated(shownNearby, list[i].offset));
                 list[i].cost = mismatch(few, list[i].offset, coarse) + other[i];
             }
         });
@@ -388,6 +424,7 @@ private:
     std::vector<char> chosen_;
     std::vector<std::vector<int>> core_; ///< entries, thinned
     std::vector<float> coreWeight_;      ///< vertices per entry of it
+    std::vector<float> weight_;          ///< what a chart shows against an ordinary one, at most 1
     std::vector<float> usage_;
     double used_ = 0;
     Vec2f tile_;
