@@ -19,8 +19,12 @@ constexpr int kFineSamples = 800;  ///< and in the second
 constexpr int kJumpSamples = 40;   ///< whose texels alike become candidates
 constexpr int kRandomCandidates = 48;
 constexpr int kFinalists = 24;
-constexpr int kBins = 16;         ///< of the usage map, along each axis
-constexpr int kBells = 32;        ///< of the map of what is shown nearby: places along each axis
+constexpr int kBins = 16;                  ///< of the usage map, along each axis
+constexpr int kBells = 32;                 ///< of the map of what is shown nearby: places along each axis
+constexpr std::size_t kQuantiles = 16;     ///< of a parameter's distribution
+constexpr std::size_t kBudgetSamples = 40; ///< of a chart, for what it adds to distributions
+constexpr double kWantedKs = 0.03;         ///< what the surface's distributions may be off
+constexpr double kWantedDeltaR = 0.01;
 constexpr float kNoticed = 0.02f; ///< of an ordinary chart's area: what shows less is not seen to repeat
 constexpr float kCap = 8;         ///< a mismatch counts at most this many times the sample's own: then it is a break
 constexpr double kVisible = 2.5;  ///< steps of lightness, over a neighbourhood
@@ -53,6 +57,7 @@ public:
         // And where every seam is seen, repetition is the lesser evil.
         variety_ = float(std::pow(kVisible / std::max(ex.ownError, kVisible), 8));
         findCores();
+        sortParameters();
     }
 
     std::vector<Vec2f> run(Progress& progress) {
@@ -193,8 +198,15 @@ private:
 
     void use(int c, float sign) {
         for (int e : core_[std::size_t(c)]) {
-            usage_[bin(cover_.coord[std::size_t(e)] + offset_[std::size_t(c)])] += sign * coreWeight_[std::size_t(c)];
-            used_ += double(sign * coreWeight_[std::size_t(c)]);
+            const Vec2f shown = cover_.coord[std::size_t(e)] + offset_[std::size_t(c)];
+            const double weight = double(sign * coreWeight_[std::size_t(c)]);
+            usage_[bin(shown)] += float(weight);
+            used_ += weight;
+            const std::size_t t = texel(shown);
+            for (Distribution& d : distributions_) {
+                d.shown[d.quantile[t]] += weight;
+            }
+            shownResponse_ += Vec3d(ex_.response[t]) * weight;
         }
     }
 
@@ -315,6 +327,74 @@ private:
         return sum / weight / own2_;
     }
 
+    /// What of each parameter's distribution a texel belongs to, in quantiles of the sample.
+    void sortParameters() {
+        const std::size_t texels = ex_.texelCount();
+        for (const std::vector<float>& values : ex_.parameters) {
+            std::vector<float> sorted = values;
+            std::sort(sorted.begin(), sorted.end());
+            Distribution d;
+            d.quantile.resize(texels);
+            d.share.assign(kQuantiles, 0.0);
+            d.shown.assign(kQuantiles, 0.0);
+            for (std::size_t t = 0; t < texels; ++t) {
+                // Equal values fall into one quantile, which then holds more than its part.
+                const std::size_t rank =
+                    std::size_t(std::lower_bound(sorted.begin(), sorted.end(), values[t]) - sorted.begin());
+                const std::size_t q = rank * kQuantiles / texels;
+                d.quantile[t] = std::uint8_t(q);
+                d.share[q] += 1 / double(texels);
+            }
+            distributions_.push_back(std::move(d));
+        }
+        for (const Rgb& r : ex_.response) {
+            meanResponse_ += Vec3d(r) / double(texels);
+        }
+    }
+
+    std::size_t texel(const Vec2f& mm) const {
+        const int x = ex_.wrapX(int(std::floor(mm.x / float(ex_.texelMm.x)))),
+                  y = ex_.wrapY(int(std::floor(mm.y / float(ex_.texelMm.y))));
+        return std::size_t(y) * std::size_t(ex_.width) + std::size_t(x);
+    }
+
+    /// How far the distributions of parameters, and mean reflectance, of the whole surface would be off if the charts
+    /// yet to choose made up for nothing: 1 where a target is just met. One chart among hundreds hardly matters, one of
+    /// a few does.
+    float imbalance(int c, const Vec2f& offset) const {
+        const std::vector<int>& core = core_[std::size_t(c)];
+        const std::size_t stride = core.size() / kBudgetSamples + 1, count = (core.size() + stride - 1) / stride;
+        if (count == 0) {
+            return 0;
+        }
+        const double own = double(coreWeight_[std::size_t(c)]) * double(core.size()), each = own / double(count);
+        std::size_t places[kBudgetSamples + 1];
+        Vec3d response = shownResponse_ - meanResponse_ * (used_ + own);
+        for (std::size_t i = 0; i < count; ++i) {
+            places[i] = texel(cover_.coord[std::size_t(core[i * stride])] + offset);
+            response += Vec3d(ex_.response[places[i]]) * each;
+        }
+        double worst = 0;
+        for (const Distribution& d : distributions_) {
+            double part[kQuantiles] = {};
+            for (std::size_t i = 0; i < count; ++i) {
+                part[d.quantile[places[i]]] += each;
+            }
+            double above = 0;
+            for (std::size_t q = 0; q < kQuantiles; ++q) {
+                above += d.shown[q] + part[q] - d.share[q] * (used_ + own);
+                worst = std::max(worst, std::abs(above) / kWantedKs);
+            }
+        }
+        for (int k = 0; k < 3; ++k) {
+            if (meanResponse_[k] > 0) {
+                worst = std::max(worst, std::abs(response[k]) / meanResponse_[k] / kWantedDeltaR);
+            }
+        }
+        worst /= double(g_.size());
+        return float(worst * worst);
+    }
+
     float overuse(int c, const Vec2f& offset) const {
         if (!(used_ > 0)) {
             return 0;
@@ -388,7 +468,8 @@ private:
         parallelFor(list.size(), 16, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
                 other[i] = variety_ * (float(options_.usage) * overuse(c, list[i].offset) +
-                                       float(options_.repetition) * repeated(shownNearby, list[i].offset));
+                                       float(options_.repetition) * repeated(shownNearby, list[i].offset)) +
+                           float(options_.balance) * imbalance(c, list[i].offset);
                 list[i].cost = mismatch(few, list[i].offset, coarse) + other[i];
             }
         });
@@ -427,6 +508,13 @@ private:
     std::vector<float> weight_;          ///< what a chart shows against an ordinary one, at most 1
     std::vector<float> usage_;
     double used_ = 0;
+    /// A parameter's quantile per texel, the share of each, and by how many vertices it is shown.
+    struct Distribution {
+        std::vector<std::uint8_t> quantile;
+        std::vector<double> share, shown;
+    };
+    std::vector<Distribution> distributions_;
+    Vec3d meanResponse_, shownResponse_; ///< of the sample; summed over the vertices shown
     Vec2f tile_;
     float own2_, variety_; ///< square of a seam's unit; 0 to 1, how many places are alike
 };

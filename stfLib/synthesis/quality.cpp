@@ -3,6 +3,7 @@
 
 #include "stfLib/base/parallel.h"
 #include "stfLib/base/random.h"
+#include "stfLib/synthesis/seam_light.h"
 
 #include <algorithm>
 #include <cmath>
@@ -224,7 +225,11 @@ double autocorrelationDifference(const Synthesis& s) {
         }
     }
     // Vertices at random, and what surrounds them by the shortest way.
-    const std::size_t tries = std::min<std::size_t>(3000, s.graph.size());
+    // (fewer where each has many vertices around it)
+    const double crowd = std::clamp(double(s.graph.size()) * e.texelMm.x * e.texelMm.y /
+                                        (s.graph.totalArea() * s.mmPerUnit * s.mmPerUnit),
+                                    1.0, 10.0);
+    const std::size_t tries = std::min<std::size_t>(std::size_t(3000 / crowd), s.graph.size());
     const double texel = std::max(e.texelMm.x, e.texelMm.y);
     std::vector<double> sum(std::size_t(rings), 0.0), count(std::size_t(rings), 0.0);
     std::vector<float> distance(s.graph.size(), 1e30f);
@@ -344,6 +349,7 @@ SynthesisQuality measure(const Synthesis& s, const ExemplarMap& map) {
     patches(s, q);
     shapes(s, map, q);
     q.autocorrelation = autocorrelationDifference(s);
+    q.deltaRSeams = seamLight(s.graph, s.steps, s.coords, s.exemplar);
     q.singularities = s.singularities.size();
     for (const Singularity& i : s.singularities) {
         q.indexSum += i.index;
