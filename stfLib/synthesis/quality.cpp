@@ -172,7 +172,11 @@ void shapes(const Synthesis& s, const ExemplarMap& map, SynthesisQuality& q) {
             const Vec2f c0 = map.cornerCoords[3 * t], d1 = map.cornerCoords[3 * t + 1] - c0,
                         d2 = map.cornerCoords[3 * t + 2] - c0;
             const double area = double(d1.x) * double(d2.y) - double(d1.y) * double(d2.x);
-            out[Folds] += area <= 0;
+            // A sliver narrower than the rounding of its coordinates has no side.
+            const double longest = std::max({a, length(e2), length(e2 - e1)});
+            const double rounding =
+                4e-7 * double(std::max({std::abs(c0.x), std::abs(c0.y), float(map.tileMm.x), float(map.tileMm.y)}));
+            out[Folds] += area <= 0 && a * c / longest * s.mmPerUnit > rounding;
             // Jacobian by the triangle's own plane.
             const double ux = double(d1.x) / a, vx = double(d1.y) / a;
             const double uy = (double(d2.x) - ux * b) / c, vy = (double(d2.y) - vx * b) / c;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stfLib/acquire/mesh_reader.h"
+#include "stfLib/acquire/mesh_repair.h"
 #include "stfLib/base/parallel.h"
 #include "stfLib/volume/volume_io.h"
 #include "tools/stf/commands.h"
@@ -29,22 +30,28 @@ struct Arguments {
     bool json = false;
 };
 
-ControlMesh controlMesh(const std::vector<MeshPart>& parts, const std::string& scheme) {
+/// All parts as one; triangles turned against their neighbours are turned back, for a surface has one outside.
+ControlMesh controlMesh(const std::vector<MeshPart>& parts, const std::string& scheme, const std::string& name,
+                        const MessageSink& messages) {
+    TriangleMesh whole;
+    for (const MeshPart& part : parts) {
+        append(whole, part.mesh);
+    }
+    const MendedMesh mended = repair(whole, name);
+    const MeshRepair& r = mended.repair;
+    if (r.turned + r.degenerate + r.duplicates + r.crowdedEdges > 0) {
+        messages(Severity::Warning, r.summary());
+    }
     ControlMesh mesh;
     mesh.scheme = scheme == "loop"           ? ControlMesh::Scheme::Loop
                   : scheme == "catmullClark" ? ControlMesh::Scheme::CatmullClark
                                              : ControlMesh::Scheme::None;
-    for (const MeshPart& part : parts) {
-        const int base = int(mesh.points.size());
-        for (const Vec3d& p : part.mesh.points) {
-            mesh.points.push_back(Vec3f(p));
-        }
-        for (const Vec3i& t : part.mesh.triangles) {
-            mesh.faceVertexCounts.push_back(3);
-            for (int c = 0; c < 3; ++c) {
-                mesh.faceVertexIndices.push_back(base + t[c]);
-            }
-        }
+    for (const Vec3d& p : mended.mesh.points) {
+        mesh.points.push_back(Vec3f(p));
+    }
+    for (const Vec3i& t : mended.mesh.triangles) {
+        mesh.faceVertexCounts.push_back(3);
+        mesh.faceVertexIndices.insert(mesh.faceVertexIndices.end(), {t.x, t.y, t.z});
     }
     return mesh;
 }
@@ -68,8 +75,8 @@ void run(const Arguments& a) {
 #else
     const std::vector<MeshPart> parts = readMeshFile(a.mesh);
 #endif
-    ControlMesh mesh = controlMesh(parts, a.scheme);
     try {
+        ControlMesh mesh = controlMesh(parts, a.scheme, a.mesh, ofMesh);
         const std::string repairs = sanitize(mesh).summary();
         if (!repairs.empty()) {
             ofMesh(Severity::Warning, repairs);
