@@ -43,6 +43,20 @@ GfMatrix4d _GetTransform(HdSceneDelegate* sceneDelegate, SdfPath const& id) {
 #endif
 }
 
+stf::Light::Type _GetType(TfToken const& type) {
+    using Type = stf::Light::Type;
+    return type == HdPrimTypeTokens->domeLight       ? Type::Dome
+           : type == HdPrimTypeTokens->diskLight     ? Type::Disk
+           : type == HdPrimTypeTokens->rectLight     ? Type::Rect
+           : type == HdPrimTypeTokens->sphereLight   ? Type::Sphere
+           : type == HdPrimTypeTokens->cylinderLight ? Type::Cylinder
+                                                     : Type::Distant;
+}
+
+std::string _GetPath(SdfAssetPath const& file) {
+    return file.GetResolvedPath().empty() ? file.GetAssetPath() : file.GetResolvedPath();
+}
+
 } // namespace
 
 TfTokenVector const& HdStfLight::GetTypes() {
@@ -61,15 +75,8 @@ void HdStfLight::Sync(HdSceneDelegate* sceneDelegate, HdRenderParam* renderParam
     auto* param = static_cast<HdStfRenderParam*>(renderParam);
     const HdDirtyBits bits = *dirtyBits;
     *dirtyBits = Clean;
-    if (_type != HdPrimTypeTokens->distantLight && _type != HdPrimTypeTokens->domeLight) {
-        param->GetMessages().Report(stf::Severity::Error, "lights of type " + _type.GetString() +
-                                                              " are not supported and are ignored (" +
-                                                              GetId().GetString() + ")");
-        return;
-    }
-
     stf::Light light = _light;
-    light.type = _type == HdPrimTypeTokens->domeLight ? stf::Light::Type::Dome : stf::Light::Type::Distant;
+    light.type = _GetType(_type);
     if (bits & DirtyTransform) {
         light.lightToWorld = HdStfToTransform(_GetTransform(sceneDelegate, GetId()));
     }
@@ -98,10 +105,23 @@ void HdStfLight::_ReadParams(HdSceneDelegate* sceneDelegate, stf::Light& light) 
     light.angle =
         light.type == stf::Light::Type::Distant ? _GetParam(sceneDelegate, id, HdLightTokens->angle, 0.53f) : 0.0f;
     light.textureFile.clear();
-    if (light.type == stf::Light::Type::Dome) {
-        const SdfAssetPath file = _GetParam(sceneDelegate, id, HdLightTokens->textureFile, SdfAssetPath());
-        light.textureFile = file.GetResolvedPath().empty() ? file.GetAssetPath() : file.GetResolvedPath();
+    if (light.type == stf::Light::Type::Dome || light.type == stf::Light::Type::Rect) {
+        light.textureFile = _GetPath(_GetParam(sceneDelegate, id, HdLightTokens->textureFile, SdfAssetPath()));
     }
+    light.shadows = _GetParam(sceneDelegate, id, HdLightTokens->shadowEnable, true);
+    // What UsdLux falls back to where the attribute is not there.
+    light.radius = _GetParam(sceneDelegate, id, HdLightTokens->radius, 0.5f);
+    light.width = _GetParam(sceneDelegate, id, HdLightTokens->width, 1.0f);
+    light.height = _GetParam(sceneDelegate, id, HdLightTokens->height, 1.0f);
+    light.length = _GetParam(sceneDelegate, id, HdLightTokens->length, 1.0f);
+    stf::LightShaping& shaping = light.shaping;
+    shaping.focus = _GetParam(sceneDelegate, id, HdLightTokens->shapingFocus, 0.0f);
+    shaping.focusTint = HdStfToVec3f(_GetParam(sceneDelegate, id, HdLightTokens->shapingFocusTint, GfVec3f(0.0f)));
+    shaping.coneAngle = _GetParam(sceneDelegate, id, HdLightTokens->shapingConeAngle, 180.0f);
+    shaping.coneSoftness = _GetParam(sceneDelegate, id, HdLightTokens->shapingConeSoftness, 0.0f);
+    shaping.iesFile = _GetPath(_GetParam(sceneDelegate, id, HdLightTokens->shapingIesFile, SdfAssetPath()));
+    shaping.iesAngleScale = _GetParam(sceneDelegate, id, HdLightTokens->shapingIesAngleScale, 0.0f);
+    shaping.iesNormalize = _GetParam(sceneDelegate, id, HdLightTokens->shapingIesNormalize, false);
     light.visible = sceneDelegate->GetVisible(id);
 }
 

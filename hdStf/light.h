@@ -12,7 +12,7 @@ class HdStfMessages;
 
 /// \class HdStfLight
 ///
-/// A distant or dome light. Other types of UsdLux are accepted, reported once per type, and ignored.
+/// A light of UsdLux: distant, dome, disk, rectangle, sphere or cylinder, with its shaping.
 ///
 /// Threading: as for every sprim; the scene is edited through the gate, and only where something changed.
 class HdStfLight final : public HdLight {

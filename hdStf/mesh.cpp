@@ -60,7 +60,10 @@ void HdStfMesh::Sync(HdSceneDelegate* sceneDelegate, HdRenderParam* renderParam,
 void HdStfMesh::_PullBinding(HdSceneDelegate* sceneDelegate, HdStfRenderParam& param, _Changes& changes) {
     std::vector<std::pair<TfToken, VtValue>> primvars;
     for (HdPrimvarDescriptor const& primvar : GetPrimvarDescriptors(sceneDelegate, HdInterpolationConstant)) {
-        if (TfStringStartsWith(primvar.name.GetString(), HdStfPrimvarTokens->prefix.GetString())) {
+        // A value is there for one pull only: what belongs to the points is the mesh data's.
+        const bool ofPoints =
+            primvar.name == HdStfPrimvarTokens->rest || primvar.name == HdStfPrimvarTokens->orientation;
+        if (!ofPoints && TfStringStartsWith(primvar.name.GetString(), HdStfPrimvarTokens->prefix.GetString())) {
             primvars.emplace_back(primvar.name, GetPrimvar(sceneDelegate, primvar.name));
         }
     }

@@ -3,6 +3,7 @@
 
 #include "hdStf/conversions.h"
 #include "hdStf/messages.h"
+#include "hdStf/tokens.h"
 
 #include "pxr/imaging/hd/changeTracker.h"
 #include "pxr/imaging/hd/extComputationUtils.h"
@@ -159,6 +160,8 @@ bool HdStfMeshData::_PullPrimvars(HdMesh const& mesh, HdSceneDelegate* sceneDele
     HdPrimvarDescriptor const* uv = nullptr;
     HdPrimvarDescriptor const* color = nullptr;
     HdPrimvarDescriptor const* normal = nullptr;
+    HdPrimvarDescriptor const* rest = nullptr;
+    HdPrimvarDescriptor const* orientation = nullptr;
     std::array<HdPrimvarDescriptorVector, _interpolations.size()> descriptors;
     for (size_t i = 0; i < _interpolations.size(); ++i) {
         descriptors[i] = mesh.GetPrimvarDescriptors(sceneDelegate, _interpolations[i]);
@@ -167,6 +170,10 @@ bool HdStfMeshData::_PullPrimvars(HdMesh const& mesh, HdSceneDelegate* sceneDele
                 color = &primvar;
             } else if (primvar.name == HdTokens->normals) {
                 normal = &primvar;
+            } else if (primvar.name == HdStfPrimvarTokens->rest) {
+                rest = &primvar;
+            } else if (primvar.name == HdStfPrimvarTokens->orientation) {
+                orientation = &primvar;
             } else if (primvar.interpolation != HdInterpolationConstant &&
                        primvar.interpolation != HdInterpolationUniform && _UvRank(primvar) > 0) {
                 const bool better =
@@ -194,6 +201,8 @@ bool HdStfMeshData::_PullPrimvars(HdMesh const& mesh, HdSceneDelegate* sceneDele
     if (primvarsDirty) {
         changed |= pull(uv, _uvs);
         changed |= pull(color, _colors);
+        changed |= pull(rest, _rest);
+        changed |= pull(orientation, _orientation);
     }
     if (normalsDirty) {
         changed |= pull(normal, _normals);
@@ -238,6 +247,12 @@ stf::ControlMesh HdStfMeshData::MakeControlMesh() const {
 
     mesh.colors = HdStfToVector(_colors.values);
     mesh.colorInterpolation = _ToStf(_colors.interpolation);
+    mesh.rest = HdStfToVector(_rest.values);
+    mesh.orientation = HdStfToVector(_orientation.values);
+    // An array for a constant is one that was authored without saying its interpolation.
+    const bool perPoint = _orientation.interpolation == HdInterpolationConstant && mesh.orientation.size() > 1;
+    mesh.orientationInterpolation =
+        perPoint ? stf::ControlMesh::Interpolation::Vertex : _ToStf(_orientation.interpolation);
     if (mesh.scheme == stf::ControlMesh::Scheme::None) {
         mesh.normals = HdStfToVector(_normals.values);
         mesh.normalInterpolation = _ToStf(_normals.interpolation);

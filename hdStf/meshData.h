@@ -53,6 +53,8 @@ private:
     _Primvar<GfVec2f> _uvs;
     _Primvar<GfVec3f> _colors;
     _Primvar<GfVec3f> _normals;
+    _Primvar<GfVec3f> _rest;
+    _Primvar<GfVec3f> _orientation;
 };
 
 /// One index per face vertex into \p uvs, where face vertices of the same vertex and the same coordinates share an

@@ -87,6 +87,9 @@ VtDictionary HdStfMakeRenderStats(HdStfRenderJob::Progress const& progress, HdSt
     set(HdStfStatsTokens->coreSeconds, progress.stats.coreSeconds);
     set(HdStfStatsTokens->firstPixelSeconds, progress.stats.firstPixelSeconds);
     set(HdStfStatsTokens->renderSeconds, progress.stats.renderSeconds);
+    set(HdStfStatsTokens->syntheses, progress.stats.syntheses);
+    set(HdStfStatsTokens->grids, progress.stats.grids);
+    set(HdStfStatsTokens->poses, progress.stats.poses);
     set(HdStfStatsTokens->tableBytes, progress.stats.tableBytes);
     set(HdStfStatsTokens->shellBytes, progress.stats.shellBytes);
     set(HdStfStatsTokens->rays, static_cast<uint64_t>(progress.stats.rays));

@@ -16,7 +16,7 @@ PXR_NAMESPACE_OPEN_SCOPE
     ((prefix, "stf:"))((baseVolume, "stf:baseVolume"))((thickness, "stf:thickness"))((scale, "stf:scale"))(            \
         (mapping, "stf:mapping"))((coreMaterial, "stf:coreMaterial"))((coreSigmaA, "stf:coreSigmaA"))(                 \
         (coreSigmaSPrime, "stf:coreSigmaSPrime"))((coreModel, "stf:coreModel"))((transport, "stf:transport"))(         \
-        (quality, "stf:quality"))((seed, "stf:seed"))
+        (quality, "stf:quality"))((seed, "stf:seed"))((rest, "stf:rest"))((orientation, "stf:orientation"))
 
 /// Entries of GetRenderStats that hosts know, and those of hdStf's own.
 #define HDSTF_STATS_TOKENS                                                                                             \
@@ -25,8 +25,8 @@ PXR_NAMESPACE_OPEN_SCOPE
         (synthesisSeconds, "stf:synthesisSeconds"))((shellSeconds, "stf:shellSeconds"))(                               \
         (coreSeconds, "stf:coreSeconds"))((loadSeconds, "stf:loadSeconds"))(                                           \
         (firstPixelSeconds, "stf:firstPixelSeconds"))((renderSeconds, "stf:renderSeconds"))(                           \
-        (tableBytes, "stf:tableBytes"))((shellBytes, "stf:shellBytes"))((rays, "stf:rays"))(                           \
-        (estimatedError, "stf:estimatedError"))
+        (syntheses, "stf:syntheses"))((grids, "stf:grids"))((poses, "stf:poses"))((tableBytes, "stf:tableBytes"))(     \
+        (shellBytes, "stf:shellBytes"))((rays, "stf:rays"))((estimatedError, "stf:estimatedError"))
 
 /// Names a material network may be authored for.
 #define HDSTF_MATERIAL_TOKENS (stf)

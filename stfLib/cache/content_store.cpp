@@ -21,7 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const char* const kEntry = ".vdb";
 const char* const kSeal = ".seal";
 const char* const kLock = ".lock";
 const char* const kTemporary = ".tmp";
@@ -53,9 +52,9 @@ struct Item {
     fs::file_time_type used;
 };
 
-std::vector<Item> itemsOf(const std::string& folder) {
+std::vector<Item> itemsOf(const std::string& folder, const char* extension) {
     std::vector<Item> items;
-    for (const fs::path& path : filesOf(folder, kEntry)) {
+    for (const fs::path& path : filesOf(folder, extension)) {
         std::error_code gone, noSeal;
         const std::uintmax_t size = fs::file_size(path, gone);
         const auto used = gone ? fs::file_time_type() : fs::last_write_time(path, gone);
@@ -73,15 +72,15 @@ FileDescriptor openFile(const std::string& path, int flags) {
 
 } // namespace
 
-ContentStore::ContentStore(const std::string& folder, std::uint64_t limit)
-    : folder_(fs::absolute(folder).string()), limit_(limit) {}
+ContentStore::ContentStore(const std::string& folder, std::uint64_t limit, const StoreKind& kind)
+    : folder_(fs::absolute(folder).string()), limit_(limit), kind_(kind) {}
 
 std::string ContentStore::file(const std::string& hash, const char* extension) const {
     return (fs::path(folder_) / (hash + extension)).string();
 }
 
 std::string ContentStore::pathOf(const std::string& key) const {
-    return file(contentHashOf(key), kEntry);
+    return file(contentHashOf(key), kind_.extension);
 }
 
 void ContentStore::fetch(const std::string& key, const StoreRecipe& recipe, Progress& progress,
@@ -102,9 +101,9 @@ void ContentStore::fetch(const std::string& key, const StoreRecipe& recipe, Prog
         return;
     }
     if (!fault.empty()) {
-        report(messages, Severity::Info, "a cached table is made again: " + fault);
+        report(messages, Severity::Info, std::string("a cached ") + kind_.one + " is made again: " + fault);
         // At once: it would be found again if what is made now cannot be kept.
-        ::unlink(file(hash, kEntry).c_str());
+        ::unlink(file(hash, kind_.extension).c_str());
         ::unlink(file(hash, kSeal).c_str());
     }
     recipe.make();
@@ -112,7 +111,7 @@ void ContentStore::fetch(const std::string& key, const StoreRecipe& recipe, Prog
         keep(key, recipe);
     } catch (const std::exception& e) {
         if (!warned_.exchange(true)) {
-            report(messages, Severity::Warning, std::string("tables are not kept: ") + e.what());
+            report(messages, Severity::Warning, std::string(kind_.many) + " are not kept: " + e.what());
         }
     }
 }
@@ -144,7 +143,8 @@ FileLock ContentStore::wait(const std::string& hash, Progress& progress, const M
         }
         // Whoever evicts or tidies takes the lock too, for an instant that is not worth a word.
         if (attempt == 2) {
-            report(messages, Severity::Info, "waiting for another process or thread to make " + file(hash, kEntry));
+            report(messages, Severity::Info,
+                   "waiting for another process or thread to make " + file(hash, kind_.extension));
         }
         progress.update("waiting", 0);
         std::this_thread::sleep_for(pause);
@@ -156,7 +156,7 @@ std::shared_ptr<const StoreEntry> ContentStore::find(const std::string& key, std
     if (limit_ == 0) {
         return nullptr;
     }
-    const std::string hash = contentHashOf(key), path = file(hash, kEntry);
+    const std::string hash = contentHashOf(key), path = file(hash, kind_.extension);
     const auto damaged = [&](const std::string& how) {
         if (fault) {
             *fault = path + ": " + how;
@@ -198,7 +198,7 @@ std::shared_ptr<const StoreEntry> ContentStore::find(const std::string& key, std
 
 void ContentStore::keep(const std::string& key, const StoreRecipe& recipe) const {
     static std::atomic<unsigned> counter{0};
-    const std::string hash = contentHashOf(key), path = file(hash, kEntry), seal = file(hash, kSeal);
+    const std::string hash = contentHashOf(key), path = file(hash, kind_.extension), seal = file(hash, kSeal);
     const std::string unique = "." + std::to_string(::getpid()) + "-" + std::to_string(counter++) + kTemporary;
     const std::string newPath = path + unique, newSeal = seal + unique;
     try {
@@ -226,7 +226,7 @@ void ContentStore::keep(const std::string& key, const StoreRecipe& recipe) const
 }
 
 void ContentStore::evict(const std::string& newest) const {
-    std::vector<Item> items = itemsOf(folder_);
+    std::vector<Item> items = itemsOf(folder_, kind_.extension);
     std::uint64_t total = 0;
     for (const Item& item : items) {
         total += item.bytes;
@@ -243,7 +243,7 @@ void ContentStore::evict(const std::string& newest) const {
 }
 
 bool ContentStore::removeUnlessBusy(const std::string& hash) const {
-    const std::string path = file(hash, kEntry);
+    const std::string path = file(hash, kind_.extension);
     const FileLock lock = FileLock::tryTake(file(hash, kLock));
     if (lock.state() == LockState::Busy) {
         return false; // being made
@@ -276,7 +276,7 @@ void ContentStore::tidy(bool all) const {
                 continue;
             }
             const FileLock lock = FileLock::tryTake(file(hash, kLock));
-            const bool orphan = extension == kTemporary || !fs::exists(file(hash, kEntry), error);
+            const bool orphan = extension == kTemporary || !fs::exists(file(hash, kind_.extension), error);
             if (orphan && lock.state() != LockState::Busy) {
                 fs::remove(path, error);
             }
@@ -290,7 +290,7 @@ void ContentStore::tidy(bool all) const {
 StoreSummary ContentStore::summary() const {
     StoreSummary s;
     s.limit = limit_;
-    for (const Item& item : itemsOf(folder_)) {
+    for (const Item& item : itemsOf(folder_, kind_.extension)) {
         ++s.entries;
         s.bytes += item.bytes;
     }
@@ -300,7 +300,7 @@ StoreSummary ContentStore::summary() const {
 StoreSummary ContentStore::clear() const {
     StoreSummary removed;
     removed.limit = limit_;
-    for (const Item& item : itemsOf(folder_)) {
+    for (const Item& item : itemsOf(folder_, kind_.extension)) {
         if (removeUnlessBusy(item.hash)) {
             ++removed.entries;
             removed.bytes += item.bytes;

@@ -43,8 +43,15 @@ struct StoreRecipe {
     std::function<void(const std::string& path)> write;
 };
 
-/// A folder of files named by the hash of the text they were made from, their key: `<hash>.vdb`, each with its checksum
-/// in `<hash>.seal`. Threads and processes may share the folder:
+/// What a store holds: its word for messages, and how its files end.
+struct StoreKind {
+    const char* one = "table";
+    const char* many = "tables";
+    const char* extension = ".vdb";
+};
+
+/// A folder of files named by the hash of the text they were made from, their key: `<hash>.vdb` (or as its kind says),
+/// each with its checksum in `<hash>.seal`. Threads and processes may share the folder:
 /// - A file appears whole or not at all; one that was damaged later is found out before use and made again.
 /// - Of several who want the same missing content at once, one makes it and the others wait (`<hash>.lock`). Where the
 ///   file system has no locks, each makes it.
@@ -54,7 +61,7 @@ struct StoreRecipe {
 /// Files are not flushed to the disk one by one: after a loss of power the checksums tell which are whole.
 class ContentStore {
 public:
-    ContentStore(const std::string& folder, std::uint64_t limit);
+    ContentStore(const std::string& folder, std::uint64_t limit, const StoreKind& kind = {});
 
     /// Takes the content of a key from the store, or makes and keeps it. Messages: Info where a damaged file is made
     /// again and where another maker is waited for; one Warning per store where content cannot be kept. Throws
@@ -71,6 +78,7 @@ public:
     StoreSummary clear() const;
 
     const std::string& folder() const { return folder_; }
+    const StoreKind& kind() const { return kind_; }
     /// Where the entry of a key is, if there is one.
     std::string pathOf(const std::string& key) const;
 
@@ -85,6 +93,7 @@ private:
 
     std::string folder_;
     std::uint64_t limit_;
+    StoreKind kind_;
     std::atomic<bool> warned_{false};
 };
 

@@ -17,7 +17,8 @@ namespace {
 
 constexpr float kPi = 3.14159265358979f;
 constexpr std::size_t kMinSamples = 400, kMaxSamples = 2200;
-constexpr int kDomeSamples = 96, kDistantSamples = 8;
+constexpr int kDomeSamples = 96, kNearSamples = 8;
+constexpr int kMaxLights = 32; ///< of a sample of the core; more are chosen from
 
 // Points spread evenly by area over the inner boundary: strata of equal area along the list of triangles.
 struct BoundaryPoints {
@@ -27,8 +28,8 @@ struct BoundaryPoints {
 };
 
 BoundaryPoints spread(const ShellObject& o, std::size_t wanted, std::uint64_t seed) {
-    const std::vector<Vec3i>& triangles = o.surface.triangles;
-    const std::vector<Vec3f>& inner = o.boundary.inner;
+    const std::vector<Vec3i>& triangles = o.surface->triangles;
+    const std::vector<Vec3f>& inner = o.boundary->inner;
     std::vector<double> sum(triangles.size());
     double total = 0;
     for (std::size_t i = 0; i < triangles.size(); ++i) {
@@ -111,12 +112,15 @@ ShellLookup frameAt(const ShellObject& o, std::size_t triangle, float b1, float 
     const std::size_t corner = 3 * triangle;
     const Vec3i c{int(corner), int(corner + 1), int(corner + 2)};
     ShellLookup at{};
-    at.exemplar = blend(o.map.cornerCoords, c, b1, b2);
-    at.gradX = blend(o.map.gradientX, c, b1, b2);
-    at.gradY = blend(o.map.gradientY, c, b1, b2);
+    at.exemplar = blend(o.map->cornerCoords, c, b1, b2);
+    at.gradX = blend(o.map->gradientX, c, b1, b2);
+    at.gradY = blend(o.map->gradientY, c, b1, b2);
     at.normal =
-        normalize(o.surface.cornerNormals.empty() ? blend(o.surface.normals, o.surface.triangles[triangle], b1, b2)
-                                                  : blend(o.surface.cornerNormals, c, b1, b2));
+        normalize(o.surface->cornerNormals.empty() ? blend(o.surface->normals, o.surface->triangles[triangle], b1, b2)
+                                                   : blend(o.surface->cornerNormals, c, b1, b2));
+    if (o.pose) {
+        o.pose->carry({std::uint32_t(triangle), double(b1), double(b2), 0}, at);
+    }
     return at;
 }
 
@@ -139,7 +143,7 @@ Vec3f jitterOnSurface(const RayMesh& mesh, const Vec3f& point, const Vec3f& norm
 
 std::vector<Rgb> coreRadiance(const ShellObject& o, const Transform& objectToWorld, const RayScene& scene,
                               const LightSet& lights, float rounding, std::uint64_t seed, Progress& progress) {
-    const std::size_t points = o.surface.points.size();
+    const std::size_t points = o.surface->points.size();
     // Samples about half a diffusion length apart, as far as a direct sum allows.
     double diffusionLength = 1e30;
     const Dipole dipoles[3] = {{o.core.sigmaA.x, o.core.sigmaSPrime.x},
@@ -166,17 +170,17 @@ std::vector<Rgb> coreRadiance(const ShellObject& o, const Transform& objectToWor
     s.direct = s.shellReflectance = s.diffuse;
     const Transform worldToObject = objectToWorld.inverse();
     const Vec3i size = o.table->size;
-    const float offset = 1e-3f * o.grid.voxelSize();
+    const float offset = 1e-3f * o.grid->voxelSize();
 
     parallelFor(count, 16, [&](std::size_t begin, std::size_t end) {
         if (progress.cancelled()) {
             throw Cancelled();
         }
         for (std::size_t i = begin; i < end; ++i) {
-            const Vec3i& tri = o.surface.triangles[at.triangle[i]];
+            const Vec3i& tri = o.surface->triangles[at.triangle[i]];
             const ShellLookup frame = frameAt(o, at.triangle[i], at.b1[i], at.b2[i]);
-            s.positions[i] = blend(o.boundary.inner, tri, at.b1[i], at.b2[i]) * o.mmPerUnit;
-            const Vec3f outer = blend(o.surface.points, tri, at.b1[i], at.b2[i]);
+            s.positions[i] = blend(o.boundary->inner, tri, at.b1[i], at.b2[i]) * o.mmPerUnit;
+            const Vec3f outer = blend(o.surface->points, tri, at.b1[i], at.b2[i]);
             const int ix = TileTracer::wrap(int(std::floor(frame.exemplar.x / float(o.volume->voxelMm.x))), size.x);
             const int iy = TileTracer::wrap(int(std::floor(frame.exemplar.y / float(o.volume->voxelMm.y))), size.y);
             const std::size_t column = std::size_t(ix) + std::size_t(size.x) * std::size_t(iy);
@@ -188,12 +192,17 @@ std::vector<Rgb> coreRadiance(const ShellObject& o, const Transform& objectToWor
             const float ior = o.medium->ior(topOfTile(o, frame.exemplar));
 
             const Vec3f worldNormal = normalize(Vec3f(objectToWorld.normal(Vec3d(frame.normal))));
-            for (std::size_t l = 0; l < lights.count(); ++l) {
-                const int n = lights.isDome(l) ? kDomeSamples : kDistantSamples;
+            const Vec3f worldPoint(objectToWorld.point(Vec3d(outer)));
+            LightPick picks[kMaxLights];
+            PixelSampler chooser(seed, i, 0);
+            const int chosen = lights.choose(worldPoint, worldNormal, chooser.next1d(), kMaxLights, picks);
+            for (int p = 0; p < chosen; ++p) {
+                const std::size_t l = picks[p].light;
+                const int n = lights.isDome(l) ? kDomeSamples : kNearSamples;
                 for (int k = 0; k < n; ++k) {
                     PixelSampler sampler(seed + 17 * l, i, std::uint32_t(k));
                     const Vec2f u = sampler.next2d(), v = sampler.next2d();
-                    const LightSample light = lights.sample(l, worldNormal, u);
+                    const LightSample light = lights.sample(l, worldPoint, worldNormal, u);
                     const Vec3f towards = normalize(Vec3f(worldToObject.vector(Vec3d(light.towards))));
                     const Vec3f local = tile.toTile(towards);
                     if (!(local.z > 0) || !(maxComponent(light.irradiance) > 0)) {
@@ -201,17 +210,15 @@ std::vector<Rgb> coreRadiance(const ShellObject& o, const Transform& objectToWor
                     }
                     const Vec3f start =
                         jitterOnSurface(*o.rayMesh, outer, frame.normal, o.blurRadiusMm / o.mmPerUnit, v);
-                    Ray shadow;
-                    shadow.origin =
+                    const Vec3f from =
                         Vec3f(objectToWorld.point(Vec3d(start + frame.normal * offset))) + worldNormal * rounding;
-                    shadow.direction = light.towards;
-                    if (scene.occluded(shadow)) {
+                    if (light.shadows && scene.occluded(shadowRay(from, light))) {
                         continue;
                     }
                     const DirectionWeights w = o.table->directions.weights(local);
                     const Rgb all = ColumnMaps::blend(maps.transmitted, column, w);
                     const Rgb direct = ColumnMaps::blend(maps.direct, column, w);
-                    const Rgb in = light.irradiance / float(n);
+                    const Rgb in = light.irradiance * (picks[p].weight / float(n));
                     // The core has the index of the shell: what has not collided arrives at the refracted angle. Its
                     // share is that of the table's own, scaled medium (DESIGN 3.10).
                     const double cosine = double(fresnel(local.z, ior).cosT);
@@ -236,7 +243,7 @@ std::vector<Rgb> coreRadiance(const ShellObject& o, const Transform& objectToWor
             throw Cancelled();
         }
         for (std::size_t i = begin; i < end; ++i) {
-            radiance[i] = solver.exitance(o.boundary.inner[i] * o.mmPerUnit) / kPi;
+            radiance[i] = solver.exitance(o.boundary->inner[i] * o.mmPerUnit) / kPi;
         }
     });
     return radiance;

@@ -13,8 +13,8 @@ constexpr int kMaxSurfaces = 64;     // of transparent shells along one ray
 constexpr int kMaxLightsPerPath = 4; // more are chosen from at random, so that cost stays bounded
 /// A dome is half hidden by the ground and by the object itself: several directions a path cost less than more paths.
 constexpr int kDomeDirections = 4;
-/// Of a distant light on a shell: its visibility is averaged over a disc.
-constexpr int kDistantDirections = 2;
+/// Of other lights on a shell: their visibility is averaged over a disc.
+constexpr int kNearDirections = 2;
 const Rgb kDefaultColor(0.5f);
 
 /// A mirrored path whose throughput is below this takes part in surfaces only with the chance that makes up for it.
@@ -36,12 +36,18 @@ Vec3f smoothNormal(const RefinedSurface& s, const RayHit& hit) {
 
 } // namespace
 
-bool Integrator::occluded(const Vec3f& origin, const Vec3f& direction) {
+bool Integrator::occluded(const Vec3f& origin, const LightSample& light) {
+    if (!light.shadows) {
+        return false;
+    }
     ++rays_;
-    Ray r;
-    r.origin = origin;
-    r.direction = direction;
-    return scene_.rays->occluded(r);
+    return scene_.rays->occluded(shadowRay(origin, light));
+}
+
+int Integrator::chooseLights(const Vec3f& point, const Vec3f& normal, PixelSampler& sampler, LightPick* picks) const {
+    // Nothing is drawn where there is nothing to choose.
+    const float u = scene_.lights.count() > std::size_t(kMaxLightsPerPath) ? sampler.next1d() : 0.0f;
+    return scene_.lights.choose(point, normal, u, kMaxLightsPerPath, picks);
 }
 
 Integrator::Surfel Integrator::surfelAt(const PreparedInstance& instance, const Ray& ray, const RayHit& hit) const {
@@ -57,6 +63,7 @@ Integrator::Surfel Integrator::surfelAt(const PreparedInstance& instance, const 
         lifted -= s.normals[i] * (weight[k] * std::min(0.0f, dot(p - s.points[i], s.normals[i])));
     }
     Surfel out;
+    out.triangle = hit.triangle;
     out.point = ray.origin + ray.direction * hit.t;
     out.normal = normalize(Vec3f(instance.objectToWorld.normal(Vec3d(smoothNormal(s, hit)))));
     out.objectPoint = p;
@@ -70,14 +77,17 @@ Rgb Integrator::shadePlain(const PreparedInstance& instance, const Surfel& surfe
     const Vec3f n = dot(surfel.normal, direction) > 0 ? -surfel.normal : surfel.normal;
     const Vec3f origin = Vec3f(instance.objectToWorld.point(Vec3d(surfel.shadowOrigin))) + n * scene_.shadowOffset;
     Rgb sum(0.0f);
-    for (std::size_t l = 0; l < scene_.lights.count(); ++l) {
+    LightPick picks[kMaxLightsPerPath];
+    const int count = chooseLights(surfel.point, n, sampler, picks);
+    for (int i = 0; i < count; ++i) {
+        const std::size_t l = picks[i].light;
         const int directions = scene_.lights.isDome(l) ? kDomeDirections : 1;
         const PixelSampler::Points u = sampler.next2dPoints(directions);
         for (int k = 0; k < directions; ++k) {
-            const LightSample light = scene_.lights.sample(l, n, u[k]);
+            const LightSample light = scene_.lights.sample(l, surfel.point, n, u[k]);
             const float cosine = dot(n, light.towards);
-            if (cosine > 0 && maxComponent(light.irradiance) > 0 && !occluded(origin, light.towards)) {
-                sum += light.irradiance * (cosine / float(directions));
+            if (cosine > 0 && maxComponent(light.irradiance) > 0 && !occluded(origin, light)) {
+                sum += light.irradiance * (cosine * picks[i].weight / float(directions));
             }
         }
     }
@@ -97,32 +107,30 @@ ShellRadiance Integrator::shadeShell(const PreparedInstance& instance, const Sur
                                      PixelSampler& sampler) {
     const ShellObject& shell = *instance.mesh->shell;
     const Vec3f objectNormal = normalize(Vec3f(instance.worldToObject.normal(Vec3d(surfel.normal))));
-    const float offset = 1e-3f * shell.grid.voxelSize();
+    const float offset = 1e-3f * shell.grid->voxelSize();
 
     ShellLight lights[kMaxLightsPerPath * kDomeDirections];
     int count = 0;
-    const std::size_t all = scene_.lights.count();
-    const std::size_t chosen = std::min<std::size_t>(all, kMaxLightsPerPath);
-    const auto visible = [&](const Vec3f& point, const Vec3f& towards) {
+    const auto visible = [&](const Vec3f& point, const LightSample& light) {
         const Vec3f lifted(instance.objectToWorld.point(Vec3d(point + objectNormal * offset)));
-        return !occluded(lifted + surfel.normal * scene_.rounding, towards);
+        return !occluded(lifted + surfel.normal * scene_.rounding, light);
     };
-    // Where there are more lights than a path takes: a random start, then evenly through the list.
-    const float first = all > chosen ? sampler.next1d() : 0.0f;
-    for (std::size_t i = 0; i < chosen; ++i) {
-        const std::size_t l = all > chosen ? std::size_t((float(i) + first) * float(all) / float(chosen)) % all : i;
-        const int directions = scene_.lights.isDome(l) ? kDomeDirections : kDistantDirections;
+    LightPick picks[kMaxLightsPerPath];
+    const int chosen = chooseLights(surfel.point, surfel.normal, sampler, picks);
+    for (int i = 0; i < chosen; ++i) {
+        const std::size_t l = picks[i].light;
+        const int directions = scene_.lights.isDome(l) ? kDomeDirections : kNearDirections;
         const PixelSampler::Points u = sampler.next2dPoints(directions), disc = sampler.next2dPoints(directions);
         for (int k = 0; k < directions; ++k) {
-            const LightSample light = scene_.lights.sample(l, surfel.normal, u[k]);
+            const LightSample light = scene_.lights.sample(l, surfel.point, surfel.normal, u[k]);
             if (!(maxComponent(light.irradiance) > 0)) {
                 continue;
             }
-            const Rgb irradiance = light.irradiance * (float(all) / float(chosen) / float(directions));
-            const bool exact = visible(surfel.shadowOrigin, light.towards);
+            const Rgb irradiance = light.irradiance * (picks[i].weight / float(directions));
+            const bool exact = visible(surfel.shadowOrigin, light);
             const Vec3f moved = jitterOnSurface(*instance.mesh->rayMesh, surfel.shadowOrigin, objectNormal,
                                                 shell.blurRadiusMm / shell.mmPerUnit, disc[k]);
-            const bool blurred = moved == surfel.shadowOrigin ? exact : visible(moved, light.towards);
+            const bool blurred = moved == surfel.shadowOrigin ? exact : visible(moved, light);
             if (exact || blurred) {
                 ShellLight& s = lights[count++];
                 s.towards = normalize(Vec3f(instance.worldToObject.vector(Vec3d(light.towards))));
@@ -133,7 +141,7 @@ ShellRadiance Integrator::shadeShell(const PreparedInstance& instance, const Sur
     }
 
     ++rays_;
-    return marchOf(instance).march(surfel.objectPoint, direction, lights, count, sampler);
+    return marchOf(instance).march(surfel.objectPoint, surfel.triangle, direction, lights, count, sampler);
 }
 
 Ray Integrator::leaveShell(const PreparedInstance& instance, const Surfel& entry, const Vec3f& direction,
@@ -141,7 +149,7 @@ Ray Integrator::leaveShell(const PreparedInstance& instance, const Surfel& entry
     const RefinedSurface& s = *instance.mesh->surface;
     const RayHit& exit = through.exit;
     const Vec3f normal = normalize(smoothNormal(s, exit)), point = entry.objectPoint + direction * through.tExit;
-    const float ior = marchOf(instance).iorAt(point);
+    const float ior = marchOf(instance).iorAt(point, exit.triangle);
     // What is reflected there goes on inside the shell: it is dropped, as are rays that are reflected altogether.
     const SurfaceCrossing out = crossSurface(direction, -normal, -exit.geometricNormal, 1 / ior);
     share = 1 - out.reflectance;
@@ -159,7 +167,14 @@ PixelSample Integrator::sample(Ray ray, PixelSampler& sampler) {
     for (int surface = 0; surface < kMaxSurfaces; ++surface) {
         RayHit hit;
         ++rays_;
-        if (!scene_.rays->intersect(ray, hit)) {
+        const bool met = scene_.rays->intersect(ray, hit);
+        if (mirrored) {
+            const Rgb lamps = throughput * scene_.lights.mirrored(ray.origin, ray.direction,
+                                                                  met ? hit.t : std::numeric_limits<float>::infinity());
+            out.color += lamps;
+            out.reflection += lamps;
+        }
+        if (!met) {
             // The clear colour is a backdrop, not a light: no surface mirrors it.
             const bool dome = scene_.lights.hasDome();
             const Rgb behind = dome       ? scene_.lights.background(ray.direction)
@@ -207,7 +222,7 @@ PixelSample Integrator::sample(Ray ray, PixelSampler& sampler) {
         SurfaceCrossing in;
         Rgb inner = throughput;
         if (refracts) {
-            const float ior = marchOf(instance).iorAt(surfel.objectPoint);
+            const float ior = marchOf(instance).iorAt(surfel.objectPoint, surfel.triangle);
             in = crossSurface(direction, normalize(smoothNormal(*instance.mesh->surface, hit)), hit.geometricNormal,
                               ior);
             direction = bends && in.reflectance < 1 ? in.refracted : direction;
@@ -275,9 +290,10 @@ PixelHit Integrator::firstHit(const Ray& ray, const Camera& camera) {
     out.albedo = s.albedo;
     if (const ShellObject* shell = instance.mesh->shell.get()) {
         // The albedo of the first voxel with material, straight down from where the ray enters.
-        ShellGrid::Accessor accessor(shell->grid);
+        ShellProbe probe(*shell->grid, shell->pose.get());
+        probe.enter(s.triangle);
         ShellLookup at;
-        if (accessor.lookup(s.objectPoint, at)) {
+        if (probe.lookup(s.objectPoint, at)) {
             const BaseVolume& v = *shell->volume;
             const int x = TileTracer::wrap(int(std::floor(at.exemplar.x / float(v.voxelMm.x))), v.size.x);
             const int y = TileTracer::wrap(int(std::floor(at.exemplar.y / float(v.voxelMm.y))), v.size.y);

@@ -27,6 +27,7 @@ private:
         Vec3f objectPoint;   ///< on the triangle: exact however far the camera is
         Vec3f shadowOrigin;  ///< object space, lifted to the smooth surface
         Rgb albedo;
+        std::uint32_t triangle;
     };
     Surfel surfelAt(const PreparedInstance& instance, const Ray& ray, const RayHit& hit) const;
     Rgb shadePlain(const PreparedInstance& instance, const Surfel& surfel, const Vec3f& direction,
@@ -38,7 +39,10 @@ private:
     Ray leaveShell(const PreparedInstance& instance, const Surfel& entry, const Vec3f& direction,
                    const ShellRadiance& through, float& share);
     ShellMarch& marchOf(const PreparedInstance& instance);
-    bool occluded(const Vec3f& origin, const Vec3f& direction);
+    /// At most kMaxLightsPerPath of them, with their weights.
+    int chooseLights(const Vec3f& point, const Vec3f& normal, PixelSampler& sampler, LightPick* picks) const;
+    /// Whether something stands between a point (world) and a light.
+    bool occluded(const Vec3f& origin, const LightSample& light);
 
     const PreparedScene& scene_;
     std::vector<std::unique_ptr<ShellMarch>> marches_;

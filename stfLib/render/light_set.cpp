@@ -4,92 +4,29 @@
 namespace stf {
 
 namespace {
+
 constexpr float kPi = 3.14159265358979f;
+/// Half angle, degrees, from which on a distant light is seen in mirrors: a smaller disc would be met by so few paths
+/// that it is noise.
+constexpr double kMirroredDegrees = 2;
 
-// USD: a dome's texture has its north pole on +y, and longitude grows so that the middle of the image is at -z.
-Vec2f latLong(const Vec3f& d) {
-    const float u = 0.5f + std::atan2(d.x, -d.z) / (2 * kPi);
-    const float v = std::atan2(std::sqrt(d.x * d.x + d.z * d.z), d.y) / kPi;
-    return {u, v};
+/// Of a disc of light of half angle `half`, at most a right angle.
+double projectedSolidAngle(double half) {
+    return double(kPi) * std::sin(half) * std::sin(half);
 }
 
-Vec3f fromLatLong(Vec2f uv) {
-    const float phi = (uv.x - 0.5f) * 2 * kPi, theta = uv.y * kPi, s = std::sin(theta);
-    return {s * std::sin(phi), std::cos(theta), -s * std::cos(phi)};
-}
-
-std::size_t searchCdf(const float* cdf, std::size_t n, float u, float& rest) {
-    const std::size_t i = std::min<std::size_t>(n - 1, std::size_t(std::upper_bound(cdf, cdf + n, u) - cdf));
-    const float lo = i ? cdf[i - 1] : 0.0f;
-    rest = cdf[i] > lo ? std::min((u - lo) / (cdf[i] - lo), 0.999999f) : 0.5f;
-    return i;
-}
-} // namespace
-
-void LightSet::Prepared::buildCdf() {
-    const std::size_t w = std::size_t(image.width), h = std::size_t(image.height);
-    columnCdf.resize(w * h);
-    rowCdf.resize(h);
-    double total = 0;
-    for (std::size_t y = 0; y < h; ++y) {
-        const double s = std::sin(double(kPi) * (double(y) + 0.5) / double(h));
-        double row = 0;
-        for (std::size_t x = 0; x < w; ++x) {
-            row += double(luminance(image.pixels[y * w + x]));
-            columnCdf[y * w + x] = float(row);
-        }
-        for (std::size_t x = 0; x < w; ++x) {
-            columnCdf[y * w + x] = row > 0 ? float(double(columnCdf[y * w + x]) / row) : float(x + 1) / float(w);
-        }
-        total += row * s;
-        rowCdf[y] = float(total);
-    }
-    for (float& r : rowCdf) {
-        r = total > 0 ? float(double(r) / total) : 0.0f;
-    }
-    if (!(total > 0)) { // a black texture: nothing to prefer
-        rowCdf.clear();
-    }
-}
-
-Rgb LightSet::Prepared::radiance(const Vec3f& d) const {
-    if (image.empty()) {
-        return tint;
-    }
-    // Bilinear, periodic in longitude.
-    const Vec2f uv = latLong(d);
+Rgb pixelAt(const LatLongImage& image, const Vec2f& uv) {
     const float fx = uv.x * float(image.width) - 0.5f, fy = uv.y * float(image.height) - 0.5f;
-    const int x0 = int(std::floor(fx)), y0 = int(std::floor(fy));
-    const float ax = fx - float(x0), ay = fy - float(y0);
-    const auto pixel = [&](int x, int y) {
-        x = (x % image.width + image.width) % image.width;
-        return image.at(x, std::clamp(y, 0, image.height - 1));
+    const int x = int(std::floor(fx)), y = int(std::floor(fy));
+    const float ax = fx - float(x), ay = fy - float(y);
+    const auto pixel = [&](int i, int j) {
+        return image.at(std::clamp(i, 0, image.width - 1), std::clamp(j, 0, image.height - 1));
     };
-    return tint * ((pixel(x0, y0) * (1 - ax) + pixel(x0 + 1, y0) * ax) * (1 - ay) +
-                   (pixel(x0, y0 + 1) * (1 - ax) + pixel(x0 + 1, y0 + 1) * ax) * ay);
+    return (pixel(x, y) * (1 - ax) + pixel(x + 1, y) * ax) * (1 - ay) +
+           (pixel(x, y + 1) * (1 - ax) + pixel(x + 1, y + 1) * ax) * ay;
 }
 
-float LightSet::Prepared::imageDensity(const Vec3f& d) const {
-    if (rowCdf.empty()) {
-        return 0;
-    }
-    const Vec2f uv = latLong(d);
-    const std::size_t w = std::size_t(image.width), h = std::size_t(image.height);
-    const std::size_t x = std::min(w - 1, std::size_t(std::max(0.0f, uv.x) * float(w)));
-    const std::size_t y = std::min(h - 1, std::size_t(std::max(0.0f, uv.y) * float(h)));
-    const float row = rowCdf[y] - (y ? rowCdf[y - 1] : 0.0f);
-    const float column = columnCdf[y * w + x] - (x ? columnCdf[y * w + x - 1] : 0.0f);
-    const float s = std::max(1e-6f, std::sin(uv.y * kPi));
-    return row * column * float(w * h) / (2 * kPi * kPi * s);
-}
-
-Vec3f LightSet::Prepared::sampleImage(Vec2f u) const {
-    const std::size_t w = std::size_t(image.width), h = std::size_t(image.height);
-    float fx = 0, fy = 0;
-    const std::size_t y = searchCdf(rowCdf.data(), h, u.y, fy);
-    const std::size_t x = searchCdf(columnCdf.data() + y * w, w, u.x, fx);
-    return fromLatLong({(float(x) + fx) / float(w), (float(y) + fy) / float(h)});
-}
+} // namespace
 
 LightSet::LightSet(const std::map<std::string, Light>& lights, const MessageSink& messages) {
     for (const auto& [id, light] : lights) {
@@ -105,94 +42,175 @@ LightSet::LightSet(const std::map<std::string, Light>& lights, const MessageSink
         }
         Prepared p;
         p.type = light.type;
-        p.lightToWorld = light.lightToWorld;
-        p.worldToLight = light.lightToWorld.inverse();
-        if (light.type == Light::Type::Distant) {
+        p.light = light;
+        p.emission = light.emission;
+        p.shadows = light.shadows;
+        if (light.type == Light::Type::Dome) {
+            p.dome = DomeLight(id, light, messages);
+        } else if (light.type == Light::Type::Distant) {
             p.axis = Vec3f(normalize(light.lightToWorld.vector({0, 0, 1})));
             const double half = std::clamp(double(light.angle), 0.0, 180.0) * double(kPi) / 360.0;
             p.cosAngle = float(std::cos(half));
-            p.irradiance = light.emission;
             if (!light.normalize && half > 0) {
-                // `emission` is radiance: the disc's projected solid angle is pi sin^2.
-                p.irradiance *= float(double(kPi) * std::sin(half) * std::sin(half));
+                p.emission *= float(projectedSolidAngle(half)); // `emission` is radiance
             }
-        } else {
-            p.tint = light.emission;
-            if (!light.textureFile.empty()) {
-                try {
-                    p.image = readLatLong(light.textureFile);
-                    p.buildCdf();
-                } catch (const std::exception& e) {
-                    report(messages, Severity::Error, id + ": texture " + e.what() + "; the dome is uniform");
-                }
-            }
+        } else if (!prepareArea(id, p, messages)) {
+            continue;
         }
         lights_.push_back(std::move(p));
     }
+    place(Vec3d(0.0));
 }
 
-LightSample LightSet::sample(std::size_t index, const Vec3f& normal, Vec2f u) const {
+bool LightSet::prepareArea(const std::string& id, Prepared& p, const MessageSink& messages) const {
+    const std::optional<AreaShape> shape = AreaShape::make(p.light, p.light.lightToWorld);
+    if (!shape) {
+        report(messages, Severity::Error, id + ": the light has no area, it is left out");
+        return false;
+    }
+    if (p.light.normalize) {
+        p.emission = Rgb(Vec3d(p.emission) / shape->area());
+    }
+    p.shaping = ShapedEmission(id, p.light.shaping, messages);
+    p.worldToLight = p.light.lightToWorld.inverse();
+    if (p.type == Light::Type::Rect && !p.light.textureFile.empty()) {
+        try {
+            p.image = readLatLong(p.light.textureFile);
+        } catch (const std::exception& e) {
+            report(messages, Severity::Error, id + ": texture " + e.what() + "; the light is uniform");
+        }
+    }
+    return true;
+}
+
+void LightSet::place(const Vec3d& origin) {
+    far_.clear();
+    std::vector<TreeLight> near;
+    for (std::size_t i = 0; i < lights_.size(); ++i) {
+        Prepared& p = lights_[i];
+        if (p.type == Light::Type::Dome || p.type == Light::Type::Distant) {
+            far_.push_back(i);
+            continue;
+        }
+        Transform t = p.light.lightToWorld;
+        t.translation -= origin;
+        p.shape = *AreaShape::make(p.light, t); // as when it was prepared
+        near.push_back({p.shape.bounds(), average(p.emission) * float(p.shape.area()), i});
+    }
+    areaCount_ = near.size();
+    tree_ = LightTree(std::move(near));
+}
+
+int LightSet::choose(const Vec3f& point, const Vec3f& normal, float u, int most, LightPick* picks) const {
+    if (lights_.size() <= std::size_t(most)) {
+        for (std::size_t i = 0; i < lights_.size(); ++i) {
+            picks[i] = {i, 1};
+        }
+        return int(lights_.size());
+    }
+    // Half for each kind where both are many.
+    const int spare = std::max(most - int(std::min(areaCount_, std::size_t(most))), most / 2);
+    const int far = int(std::min(far_.size(), std::size_t(spare)));
+    int count = 0;
+    for (int i = 0; i < far; ++i) {
+        // A random start, then evenly through the list: all of them where there are enough picks.
+        const std::size_t k = std::min(far_.size() - 1, std::size_t((float(i) + u) * float(far_.size()) / float(far)));
+        picks[count++] = {far_[std::size_t(far) == far_.size() ? std::size_t(i) : k], float(far_.size()) / float(far)};
+    }
+    const int near = std::min(most - far, int(areaCount_));
+    if (std::size_t(near) == areaCount_) {
+        for (std::size_t i = 0; i < lights_.size(); ++i) {
+            if (lights_[i].type != Light::Type::Dome && lights_[i].type != Light::Type::Distant) {
+                picks[count++] = {i, 1};
+            }
+        }
+        return count;
+    }
+    for (int i = 0; i < near; ++i) {
+        const LightTree::Choice c = tree_.choose(point, normal, (float(i) + u) / float(near));
+        if (c.chance > 0) {
+            picks[count++] = {c.index, 1 / (c.chance * float(near))};
+        }
+    }
+    return count;
+}
+
+// Radiance that leaves a light with an area along a direction (world, from the light) at a point of it.
+Rgb LightSet::Prepared::radiance(const Vec3f& direction, const Vec3f& at) const {
+    Rgb r = emission;
+    if (!shaping.none()) {
+        r *= shaping.factor(normalize(Vec3f(worldToLight.vector(Vec3d(direction)))));
+    }
+    if (!image.empty()) {
+        r *= pixelAt(image, shape.textureAt(at));
+    }
+    return r;
+}
+
+LightSample LightSet::sample(std::size_t index, const Vec3f& point, const Vec3f& normal, Vec2f u) const {
     const Prepared& l = lights_[index];
     LightSample s;
-    if (l.type == Light::Type::Distant) {
+    s.shadows = l.shadows;
+    if (l.type == Light::Type::Dome) {
+        s.irradiance = l.dome.sample(normal, u, s.towards);
+    } else if (l.type == Light::Type::Distant) {
         // Uniform in projected solid angle: constant radiance, so the weight is the irradiance itself.
         s.towards = l.axis;
-        s.irradiance = l.irradiance;
+        s.irradiance = l.emission;
         if (l.cosAngle < 1) {
             Vec3f t, b;
             orthonormalBasis(l.axis, t, b);
             const float sin2 = u.x * (1 - l.cosAngle * l.cosAngle), r = std::sqrt(sin2), phi = 2 * kPi * u.y;
             s.towards = normalize(t * (r * std::cos(phi)) + b * (r * std::sin(phi)) + l.axis * std::sqrt(1 - sin2));
         }
-        return s;
-    }
-    // One sample of a mixture, weighted by the density of the whole mixture (balance heuristic). The uniform part
-    // bounds the weight where the shell at some depth faces another way than the entry point.
-    const bool textured = !l.rowCdf.empty();
-    const float imagePart = textured ? 0.5f : 0.0f, cosinePart = 0.75f * (1 - imagePart),
-                uniformPart = 1 - imagePart - cosinePart;
-    if (u.x < imagePart) {
-        u.x /= imagePart;
-        s.towards = normalize(Vec3f(l.lightToWorld.vector(Vec3d(l.sampleImage(u)))));
     } else {
-        Vec3f t, b;
-        orthonormalBasis(normal, t, b);
-        float cosTheta = 0;
-        if (u.x < imagePart + cosinePart) {
-            cosTheta = std::sqrt(std::max(0.0f, 1 - (u.x - imagePart) / cosinePart));
-        } else {
-            cosTheta = std::max(0.0f, 1 - (u.x - imagePart - cosinePart) / uniformPart);
+        const ShapeSample at = l.shape.sample(point, u);
+        if (at.solidAngle > 0) {
+            s.towards = at.towards;
+            s.distance = at.distance;
+            s.irradiance = l.radiance(-at.towards, point + at.towards * at.distance) * at.solidAngle;
         }
-        const float r = std::sqrt(std::max(0.0f, 1 - cosTheta * cosTheta)), phi = 2 * kPi * u.y;
-        s.towards = normalize(t * (r * std::cos(phi)) + b * (r * std::sin(phi)) + normal * cosTheta);
     }
-    const Vec3f inLight = normalize(Vec3f(l.worldToLight.vector(Vec3d(s.towards))));
-    const float cosine = dot(normal, s.towards);
-    float density = cosine > 0 ? cosinePart * cosine / kPi + uniformPart / (2 * kPi) : 0.0f;
-    if (textured) {
-        density += imagePart * l.imageDensity(inLight);
-    }
-    s.irradiance = density > 1e-9f ? l.radiance(inLight) / density : Rgb(0.0f);
     return s;
 }
 
 Rgb LightSet::background(const Vec3f& direction) const {
     Rgb sum(0.0f);
-    for (const Prepared& l : lights_) {
-        if (l.type == Light::Type::Dome) {
-            sum += l.radiance(normalize(Vec3f(l.worldToLight.vector(Vec3d(direction)))));
+    for (std::size_t i : far_) {
+        if (lights_[i].type == Light::Type::Dome) {
+            sum += lights_[i].dome.radiance(direction);
         }
     }
     return sum;
 }
 
 bool LightSet::hasDome() const {
-    for (const Prepared& l : lights_) {
-        if (l.type == Light::Type::Dome) {
+    for (std::size_t i : far_) {
+        if (lights_[i].type == Light::Type::Dome) {
             return true;
         }
     }
     return false;
+}
+
+Rgb LightSet::mirrored(const Vec3f& origin, const Vec3f& direction, float tMax) const {
+    Rgb sum(0.0f);
+    for (std::size_t i : far_) {
+        const Prepared& l = lights_[i];
+        const double half = std::acos(std::clamp(double(l.cosAngle), -1.0, 1.0));
+        if (l.type == Light::Type::Distant && !(tMax < std::numeric_limits<float>::infinity()) &&
+            half > kMirroredDegrees * double(kPi) / 180 && dot(direction, l.axis) > l.cosAngle) {
+            sum += l.emission / float(projectedSolidAngle(half));
+        }
+    }
+    tree_.along(origin, direction, tMax, [&](std::size_t i) {
+        const Prepared& l = lights_[i];
+        const float t = l.shape.intersect(origin, direction);
+        if (t < tMax) {
+            sum += l.radiance(-direction, origin + direction * t);
+        }
+    });
+    return sum;
 }
 
 } // namespace stf

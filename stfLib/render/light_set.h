@@ -2,53 +2,91 @@
 #pragma once
 
 #include "stfLib/base/error.h"
-#include "stfLib/render/lat_long_image.h"
-#include "stfLib/render/light.h"
+#include "stfLib/render/area_shape.h"
+#include "stfLib/render/dome_light.h"
+#include "stfLib/render/light_tree.h"
+#include "stfLib/render/shaped_emission.h"
+#include "stfLib/surface/ray_scene.h"
 
+#include <limits>
 #include <map>
 #include <vector>
 
 namespace stf {
 
-/// A direction towards a light, world space, and what it brings: the estimate of the perpendicular irradiance of all
-/// directions of that light (radiance over density). Zero where nothing comes from there.
+/// A direction towards a light, and what it brings: the estimate of the perpendicular irradiance of all directions of
+/// that light (radiance over density). Zero where nothing comes from there.
 struct LightSample {
     Vec3f towards{0, 0, 1};
     Rgb irradiance{0.0f};
+    float distance = std::numeric_limits<float>::infinity(); ///< other geometry beyond it throws no shadow
+    bool shadows = true;                                     ///< false: nothing throws a shadow
 };
 
-/// All lights that give light, ready for sampling. Immutable after construction, shared by threads.
+/// From a point to just before the light.
+inline Ray shadowRay(const Vec3f& origin, const LightSample& light) {
+    Ray r;
+    r.origin = origin;
+    r.direction = light.towards;
+    r.tFar = light.distance * (1 - 1e-4f);
+    return r;
+}
+
+/// A light that a path takes part of, and by how much more it counts for those that it does not.
+struct LightPick {
+    std::size_t light = 0;
+    float weight = 1;
+};
+
+/// All lights that give light, ready for sampling. Immutable but for `place`, shared by threads.
 class LightSet {
 public:
     LightSet() = default;
-    /// Lights that are invisible or black are left out; an unreadable texture is reported and the light is uniform.
+    /// Lights that are invisible or black are left out; unreadable textures and profiles are reported, the light shines
+    /// without them.
     LightSet(const std::map<std::string, Light>& lights, const MessageSink& messages);
+    /// Points are relative to a world position from now on (the scene's middle, so that single precision is enough).
+    void place(const Vec3d& origin);
 
     std::size_t count() const { return lights_.size(); }
-    /// `normal`: the surface the light is wanted for; a dome is sampled by its cosine and, with a texture, by its
-    /// brightness too (balance heuristic; Veach 1997).
-    LightSample sample(std::size_t light, const Vec3f& normal, Vec2f u) const;
+    /// At most `most` lights for a point: all, where there are no more; else some, so that the sum of what each brings
+    /// times its weight has the right expectation. Lights with an area are chosen by their power and distance, at a
+    /// cost logarithmic in their number. Returns how many. `u` in [0, 1).
+    int choose(const Vec3f& point, const Vec3f& normal, float u, int most, LightPick* picks) const;
+    /// What a light brings to a point with a normal (a dome is sampled by its cosine).
+    LightSample sample(std::size_t light, const Vec3f& point, const Vec3f& normal, Vec2f u) const;
+    /// How many directions towards a light are worth while on one path.
+    bool isDome(std::size_t light) const { return lights_[light].type == Light::Type::Dome; }
+
     /// Radiance of what lies behind everything, in a direction.
     Rgb background(const Vec3f& direction) const;
     bool hasDome() const;
-    bool isDome(std::size_t light) const { return lights_[light].type == Light::Type::Dome; }
+    /// Radiance of the lights with an area, and of wide distant ones, that a mirrored ray meets before `tMax`. Rays of
+    /// the camera do not see them, as in other renderers.
+    Rgb mirrored(const Vec3f& origin, const Vec3f& direction, float tMax) const;
 
 private:
     struct Prepared {
         Light::Type type = Light::Type::Distant;
-        Vec3f axis{0, 0, 1};  ///< distant: towards the light
-        float cosAngle = 1;   ///< distant: of half the angle
-        Rgb irradiance{0.0f}; ///< distant
-        Rgb tint{0.0f};       ///< dome: factor of the texture
-        Transform lightToWorld, worldToLight;
-        LatLongImage image;
-        std::vector<float> rowCdf, columnCdf; ///< cumulative brightness, times the sine of the row's polar angle
-        Rgb radiance(const Vec3f& lightDirection) const;
-        float imageDensity(const Vec3f& lightDirection) const;
-        Vec3f sampleImage(Vec2f u) const;
-        void buildCdf();
+        Rgb emission{0.0f};  ///< distant: irradiance; area: radiance
+        Vec3f axis{0, 0, 1}; ///< distant: towards the light
+        float cosAngle = 1;  ///< distant: of half the angle
+        DomeLight dome;
+        // With an area.
+        Light light;
+        AreaShape shape;
+        ShapedEmission shaping;
+        Transform worldToLight;
+        LatLongImage image; ///< of a rectangle
+        bool shadows = true;
+        Rgb radiance(const Vec3f& direction, const Vec3f& at) const;
     };
+    bool prepareArea(const std::string& id, Prepared& light, const MessageSink& messages) const;
+
     std::vector<Prepared> lights_;
+    std::vector<std::size_t> far_; ///< distant lights and domes
+    LightTree tree_;               ///< of the others
+    std::size_t areaCount_ = 0;
 };
 
 } // namespace stf

@@ -36,8 +36,8 @@ float tent(float u) {
 } // namespace
 
 struct Renderer::Impl {
-    explicit Impl(TableProvider tables)
-        : builder(tables ? std::move(tables) : TableProvider(computeTable),
+    Impl(TableProvider tables, MapProvider maps)
+        : builder(tables ? std::move(tables) : TableProvider(computeTable), std::move(maps),
                   [this](Severity s, const std::string& text) { say(s, text); }) {}
 
     // Each text once: a host prepares again after every edit.
@@ -104,7 +104,7 @@ void Renderer::Impl::prepareMesh(const std::string& id, const SceneMesh& m, doub
         try {
             auto shell =
                 builder.build(id, mesh, m.refineLevel, *m.stf, metersPerUnit, settings, progress, stats, k.plan);
-            prepared->surface = std::shared_ptr<const RefinedSurface>(shell, &shell->surface);
+            prepared->surface = shell->surface;
             prepared->rayMesh = shell->rayMesh;
             prepared->shell = shell;
             k.mesh = prepared;
@@ -192,7 +192,8 @@ void Renderer::Impl::placeInstances(const Scene& source) {
     scene->shadowOffset = 1e-5f * box.diagonal() + scene->rounding;
 }
 
-Renderer::Renderer(TableProvider tables) : impl_(std::make_unique<Impl>(std::move(tables))) {}
+Renderer::Renderer(TableProvider tables, MapProvider maps)
+    : impl_(std::make_unique<Impl>(std::move(tables), std::move(maps))) {}
 Renderer::~Renderer() = default;
 
 void Renderer::setMessages(MessageSink messages) {
@@ -229,6 +230,9 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
     }
     s.preparedVersion = 0;
     s.scenePlan.clear();
+    // They would keep what is about to be replaced in memory beside its replacement.
+    s.scene->instances.clear();
+    s.scene->rays.reset();
 
     for (auto it = s.kept.begin(); it != s.kept.end();) {
         it = source.meshes().count(it->first) ? std::next(it) : s.kept.erase(it);
@@ -254,6 +258,7 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
         {"scene", "lights", s.scene->lights.count() > 0,
          std::to_string(s.scene->lights.count()) + " of " + std::to_string(source.lights().size()) + " give light", 0});
     s.placeInstances(source);
+    s.scene->lights.place(s.scene->origin);
     s.builder.dropUnused();
     const auto emits = [](const PreparedInstance& i) { return i.mesh->shell && i.mesh->shell->medium->emits(); };
     const std::vector<PreparedInstance>& instances = s.scene->instances;
@@ -270,8 +275,8 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
         if (shell && !shell->coreBlack && (s.scene->lights.count() > 0 || emits(i))) {
             ++solved;
             i.core =
-                shell->grid.spreadCoreRadiance(coreRadiance(*shell, i.objectToWorld, *s.scene->rays, s.scene->lights,
-                                                            s.scene->rounding, s.settings.seed, progress));
+                shell->grid->spreadCoreRadiance(coreRadiance(*shell, i.objectToWorld, *s.scene->rays, s.scene->lights,
+                                                             s.scene->rounding, s.settings.seed, progress));
         }
     }
     s.stats.coreSeconds += since(coreStart);
@@ -282,9 +287,12 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
     // What is held now, not what was ever made: edits replace tables and grids.
     s.stats.tableBytes = s.stats.shellBytes = 0;
     std::set<const StfTable*> tables;
+    std::set<const ShellGrid*> grids;
     for (const auto& [id, k] : s.kept) {
         if (const ShellObject* shell = k.mesh ? k.mesh->shell.get() : nullptr) {
-            s.stats.shellBytes += shell->grid.memoryBytes();
+            if (grids.insert(shell->grid.get()).second) {
+                s.stats.shellBytes += shell->grid->memoryBytes();
+            }
             if (tables.insert(shell->table.get()).second) {
                 s.stats.tableBytes += shell->table->bytes();
             }

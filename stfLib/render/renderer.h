@@ -13,6 +13,7 @@ namespace stf {
 
 class StfTable;
 struct BaseVolume;
+struct ExemplarMap;
 struct TransportOptions;
 
 /// The settings a host can change (tokens `stf:*`).
@@ -38,6 +39,8 @@ struct PlanEntry {
 };
 
 struct RenderStats {
+    /// Stages run so far: surfaces refined, samples laid out by synthesis, shell grids filled, poses taken.
+    int refinements = 0, syntheses = 0, grids = 0, poses = 0;
     double precomputeSeconds = 0, synthesisSeconds = 0, shellSeconds = 0, coreSeconds = 0, loadSeconds = 0;
     double firstPixelSeconds = 0; ///< from the start of prepare to the end of the first pass
     double renderSeconds = 0;
@@ -52,11 +55,15 @@ using TableProvider = std::function<std::shared_ptr<const StfTable>(const std::s
                                                                     const TransportOptions& options, Progress& progress,
                                                                     const MessageSink& messages)>;
 
+/// How synthesised exemplar coordinates are had: by `make`, or through a store by their key.
+using MapProvider = std::function<std::shared_ptr<const ExemplarMap>(
+    const std::string& key, const std::function<ExemplarMap()>& make, Progress& progress, const MessageSink& messages)>;
+
 /// Renders a Scene progressively. Owned and driven by one thread (a host's render thread); `Progress::cancel` of the
 /// progress handed to `prepare` and `renderPass` may be called from any other.
 class Renderer {
 public:
-    explicit Renderer(TableProvider tables = {});
+    explicit Renderer(TableProvider tables = {}, MapProvider maps = {});
     ~Renderer();
     Renderer(const Renderer&) = delete;
     Renderer& operator=(const Renderer&) = delete;

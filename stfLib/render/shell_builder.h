@@ -1,44 +1,31 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "stfLib/render/renderer.h"
-#include "stfLib/render/shell_object.h"
-
-#include <map>
+#include "stfLib/render/shell_geometry.h"
+#include "stfLib/render/shell_material.h"
 
 namespace stf {
 
-/// Makes shells: reads base volumes, has their tables, refines the surface, maps, offsets and fills the grid. Keeps
-/// volumes and tables of earlier calls until `dropUnused`, so that an edit of the mesh does not read them again and
-/// meshes of one material share them. One thread at a time.
+/// Makes shells, stage by stage: volume, transport, surface, mapping, grid, pose. Each stage is kept by a key of all it
+/// reads until `dropUnused`, so that an edit redoes only what it touches and meshes that are alike share what they can.
+/// One thread at a time.
 class ShellBuilder {
 public:
-    ShellBuilder(TableProvider tables, MessageSink messages)
-        : tables_(std::move(tables)), messages_(std::move(messages)) {}
+    ShellBuilder(TableProvider tables, MapProvider maps, MessageSink messages)
+        : messages_(std::move(messages)), materials_(std::move(tables), messages_), mappings_(std::move(maps)) {}
 
     /// Throws Error with the reason (without the prim's name), Cancelled.
     std::shared_ptr<ShellObject> build(const std::string& id, const ControlMesh& mesh, int refineLevel,
                                        const StfBinding& binding, double metersPerUnit, const RenderSettings& settings,
                                        Progress& progress, RenderStats& stats, std::vector<PlanEntry>& plan);
-    /// Forgets volumes and tables that nobody else holds.
+    /// Forgets the results of stages that no shell is made of any more.
     void dropUnused();
 
 private:
-    std::shared_ptr<const BaseVolume> volume(const std::string& path);
-
-    struct CachedVolume {
-        long long modified = 0;
-        std::uintmax_t size = 0;
-        std::shared_ptr<const BaseVolume> volume;
-    };
-    struct CachedTransport {
-        std::shared_ptr<const StfTable> table;
-        std::shared_ptr<const TileMedium> medium;
-    };
-    TableProvider tables_;
     MessageSink messages_;
-    std::map<std::string, CachedVolume> volumes_;
-    std::map<std::string, CachedTransport> transports_; ///< by volume hash and options
+    ShellMaterials materials_;
+    ShellMappings mappings_;
+    ShellGeometries geometries_;
 };
 
 } // namespace stf

@@ -23,11 +23,13 @@ Vec3f topOfTile(const ShellObject& object, const Vec2f& mm) {
 }
 
 ShellMarch::ShellMarch(const ShellObject& object, const Rgb* coreRadiancePerSample)
-    : object_(object), accessor_(object.grid), core_(coreRadiancePerSample), tile_(*object.medium, *object.table) {}
+    : object_(object), probe_(*object.grid, object.pose.get()), core_(coreRadiancePerSample),
+      tile_(*object.medium, *object.table) {}
 
-float ShellMarch::iorAt(const Vec3f& point) {
+float ShellMarch::iorAt(const Vec3f& point, std::uint32_t triangle) {
     ShellLookup at;
-    if (!lookup(point, at)) {
+    probe_.enter(triangle);
+    if (!probe_.lookup(point, at)) {
         return 1;
     }
     const TileMedium& medium = *object_.medium;
@@ -46,12 +48,12 @@ float ShellMarch::iorAt(const Vec3f& point) {
     return medium.ior(p);
 }
 
-ShellRadiance ShellMarch::march(const Vec3f& entry, const Vec3f& direction, const ShellLight* lights, int lightCount,
-                                PixelSampler& sampler) {
+ShellRadiance ShellMarch::march(const Vec3f& entry, std::uint32_t triangle, const Vec3f& direction,
+                                const ShellLight* lights, int lightCount, PixelSampler& sampler) {
     const ShellObject& o = object_;
     const Vec3d& voxelMm = o.medium->voxelMm();
     const Vec3f perMm{float(1 / voxelMm.x), float(1 / voxelMm.y), float(1 / voxelMm.z)};
-    const float step = o.grid.voxelSize();
+    const float step = o.grid->voxelSize();
     lightCount = std::min(lightCount, kMaxLights);
     MarchLight tileLights[kMaxLights];
     for (int l = 0; l < lightCount; ++l) {
@@ -59,6 +61,7 @@ ShellRadiance ShellMarch::march(const Vec3f& entry, const Vec3f& direction, cons
         tileLights[l].forMultiple = lights[l].forMultiple;
     }
     tile_.begin(sampler);
+    probe_.enter(triangle);
 
     ShellRadiance result;
     // Where the shell ends: at the core or back through the surface.
@@ -81,7 +84,7 @@ ShellRadiance ShellMarch::march(const Vec3f& entry, const Vec3f& direction, cons
         const float t1 = std::min(t0 + step, tEnd), middle = 0.5f * (t0 + t1);
         const Vec3f point = entry + direction * middle;
         ShellLookup found;
-        if (accessor_.lookup(point, found, core_)) {
+        if (probe_.lookup(point, found, core_)) {
             at = found;
             if (!known && t0 == 0) {
                 const float found0 = at.depth + dot(at.normal, direction) * o.mmPerUnit * middle;

@@ -37,24 +37,24 @@ private:
 
 /// Marches object-space rays through one shell: follows the grid's exemplar coordinates and hands straight pieces, one
 /// per grid voxel, to a TileMarch; at the end the core shines through what is left of the ray.
-/// One march per thread and object: it holds a grid accessor.
+/// One march per thread and object: it holds a probe.
 class ShellMarch {
 public:
     ShellMarch(const ShellObject& object, const Rgb* coreRadiancePerSample);
 
     /// `entry` lies on the surface, `direction` is unit and goes inward, refracted where the shell refracts; both
-    /// object space. Distances count from the entry, so that a far camera costs no precision. At most 16 lights count.
-    ShellRadiance march(const Vec3f& entry, const Vec3f& direction, const ShellLight* lights, int lightCount,
-                        PixelSampler& sampler);
+    /// object space; `triangle` is the surface's there. Distances count from the entry, so that a far camera costs no
+    /// precision. At most 16 lights count.
+    ShellRadiance march(const Vec3f& entry, std::uint32_t triangle, const Vec3f& direction, const ShellLight* lights,
+                        int lightCount, PixelSampler& sampler);
 
-    /// What the shell looks like at a point: frame and exemplar coordinate.
-    bool lookup(const Vec3f& point, ShellLookup& out) { return accessor_.lookup(point, out, core_); }
-    /// Index of refraction of the material at, or first below, a point of the surface; 1 where the grid has none.
-    float iorAt(const Vec3f& surfacePoint);
+    /// Index of refraction of the material at, or first below, a point of a triangle of the surface; 1 where the grid
+    /// has none.
+    float iorAt(const Vec3f& surfacePoint, std::uint32_t triangle);
 
 private:
     const ShellObject& object_;
-    ShellGrid::Accessor accessor_;
+    ShellProbe probe_;
     const Rgb* core_;
     TileMarch tile_;
 };

@@ -2,27 +2,30 @@
 #pragma once
 
 #include "stfLib/core/dipole.h"
-#include "stfLib/shell/shell_grid.h"
+#include "stfLib/shell/posed_shell.h"
 #include "stfLib/surface/ray_scene.h"
 #include "stfLib/transport/stf_table.h"
 #include "stfLib/transport/tile_medium.h"
 #include "stfLib/volume/base_volume.h"
 
 #include <memory>
+#include <vector>
 
 namespace stf {
 
-/// A mesh with a bound base volume, ready to be marched. Immutable once made.
+/// A mesh with a bound base volume, ready to be marched. Immutable once made; shells of equal meshes share their parts.
 struct ShellObject {
     std::shared_ptr<const BaseVolume> source; ///< as read from its file
     std::shared_ptr<const BaseVolume> volume; ///< cropped to the shell's depth; `source` where that is all of it
     std::shared_ptr<const StfTable> table;
-    std::shared_ptr<const TileMedium> medium; ///< of the table's form
-    RefinedSurface surface;
-    ExemplarMap map;
-    ShellBoundary boundary;
-    ShellGrid grid;
+    std::shared_ptr<const TileMedium> medium;      ///< of the table's form
+    std::shared_ptr<const RefinedSurface> surface; ///< as it is seen
+    std::shared_ptr<const ShellBoundary> boundary; ///< as it is seen
+    std::shared_ptr<const ExemplarMap> map;        ///< of the rest pose, where there is one
+    std::shared_ptr<const ShellGrid> grid;         ///< of the rest pose, where there is one
+    std::shared_ptr<const PosedShell> pose;        ///< from what is seen to the rest pose; null: that is what is seen
     std::shared_ptr<const RayMesh> rayMesh;
+    std::vector<std::shared_ptr<const void>> stages; ///< what else it was made from: kept in memory with it
     CoreMaterial core;
     bool coreBlack = true;
     float mmPerUnit = 1; ///< tile millimetres per object unit

@@ -46,8 +46,8 @@ float sum(const Rgb& c) {
 
 } // namespace
 
-TileMarch::TileMarch(const TileMedium& medium, const StfTable& table)
-    : medium_(medium), table_(table), voxelHeightMm_(float(medium.voxelMm().z)) {
+TileMarch::TileMarch(const TileMedium& medium, const StfTable& table, const HistogramBlend* blend)
+    : medium_(medium), table_(table), blend_(blend), voxelHeightMm_(float(medium.voxelMm().z)) {
     if (medium.scatters()) {
         multiple_ = ifAny(table.multiple.get());
         single_ = ifAny(table.single.get());
@@ -67,6 +67,11 @@ void TileMarch::begin(PixelSampler& sampler, Shift shift) {
     chosen_ = {};
     weightSum_ = 0;
     ended_ = framed_ = chosenHere_ = false;
+    place_ = {};
+}
+
+void TileMarch::setBlend(const BlendPlace& place) {
+    place_ = place;
 }
 
 void TileMarch::setFrame(const MarchLight* lights, int count, const Vec3f& towardsViewer) {
@@ -130,18 +135,57 @@ void TileMarch::openBacklight() {
     foldOne(backlight_, foldedCore_);
 }
 
-FieldValue TileMarch::valueAt(std::size_t item, const Rgb& coreRadiance) const {
+// Numbers of the columns that a point (voxel units) shows.
+std::array<std::size_t, 3> TileMarch::columnsAt(const Vec3f& p, const BlendPlace& place) const {
+    const Vec3i& size = medium_.size();
+    const auto column = [&](float x, float y) {
+        return std::size_t(TileTracer::wrap(int(std::floor(x)), size.x)) +
+               std::size_t(size.x) * std::size_t(TileTracer::wrap(int(std::floor(y)), size.y));
+    };
+    std::array<std::size_t, 3> columns{column(p.x, p.y), 0, 0};
+    for (std::size_t i = 0; i < 2; ++i) {
+        if (place.weight[i + 1] > 0) {
+            const Vec2f at = place.origin[i] + place.alongX[i] * p.x + place.alongY[i] * p.y;
+            columns[i + 1] = column(at.x, at.y);
+        }
+    }
+    return columns;
+}
+
+// A part of the table; blended, mean and variance of the layer are kept.
+FieldValue TileMarch::read(const FactoredField& field, const FactoredField* means, const FoldedLight& light,
+                           const Items& items) const {
+    if (!blend_ || means->empty() || place_.weight[0] == 1) {
+        return field.at(items.item[0], light);
+    }
+    const FieldValue mean = means->at(items.layer, light);
+    const float gain = HistogramBlend::gain(place_);
+    FieldValue v = mean;
+    for (std::size_t i = 0; i < 3; ++i) {
+        if (const float w = place_.weight[i] * gain; w > 0) {
+            const FieldValue one = field.at(items.item[i], light);
+            v.fluence += (one.fluence - mean.fluence) * w;
+            v.fluxAlong += (one.fluxAlong - mean.fluxAlong) * w;
+        }
+    }
+    for (int c = 0; c < 3; ++c) {
+        v.fluence[c] = std::max(v.fluence[c], 0.0f);
+    }
+    return v;
+}
+
+FieldValue TileMarch::valueAt(const Items& items, const Rgb& coreRadiance) const {
     FieldValue v;
     if (multiple_ && !foldedLights_.dark()) {
-        v = multiple_->at(item, foldedLights_);
+        v = read(*multiple_, blend_ ? &blend_->meanMultiple() : nullptr, foldedLights_, items);
     }
     if (backlight_ && maxComponent(coreRadiance) > 0) {
-        const FieldValue b = backlight_->at(item, foldedCore_);
+        const FieldValue b = read(*backlight_, blend_ ? &blend_->meanBacklight() : nullptr, foldedCore_, items);
         v.fluence += coreRadiance * b.fluence;
         v.fluxAlong += coreRadiance * b.fluxAlong;
     }
     if (emitted_) {
-        const FieldValue e = emitted_->at(item, foldedEmission_);
+        const FieldValue e = read(*emitted_, blend_ ? &blend_->meanEmitted() : nullptr, foldedEmission_, items);
         v.fluence += e.fluence;
         v.fluxAlong += e.fluxAlong;
     }
@@ -175,7 +219,16 @@ FieldValue TileMarch::fieldAt(const Vec3f& p, const TileMedium::Voxel& voxel, st
                             std::size_t(tableSize.x) * std::size_t(TileTracer::wrap(y, tableSize.y))
                       : 0) +
            layer * std::size_t(z);
-    FieldValue v = valueAt(item, coreRadiance);
+    Items items;
+    items.item[0] = item;
+    if (blend_) {
+        items.layer = std::size_t(z);
+        items.item = columnsAt({p.x + offset_.x, p.y + offset_.y, p.z}, place_);
+        for (std::size_t& i : items.item) {
+            i = (layer > 1 ? i : 0) + layer * std::size_t(z);
+        }
+    }
+    FieldValue v = valueAt(items, coreRadiance);
 
     float along = (p.z - float(z) - 0.5f) * slopeTrust(average(voxel.extinction) * voxelHeightMm_);
     bool above = z > 0, below = z + 1 < size.z;
@@ -192,8 +245,16 @@ FieldValue TileMarch::fieldAt(const Vec3f& p, const TileMedium::Voxel& voxel, st
     if (along == 0 || !(above || below)) {
         return v;
     }
-    const FieldValue up = above ? valueAt(item - layer, coreRadiance) : v;
-    const FieldValue down = below ? valueAt(item + layer, coreRadiance) : v;
+    const auto beside = [&](std::ptrdiff_t layers) {
+        Items other = items;
+        other.layer += std::size_t(layers);
+        for (std::size_t& i : other.item) {
+            i += std::size_t(layers) * layer;
+        }
+        return valueAt(other, coreRadiance);
+    };
+    const FieldValue up = above ? beside(-1) : v;
+    const FieldValue down = below ? beside(1) : v;
     const float scale = above && below ? 0.5f : 1.0f;
     const Rgb slope = (down.fluence - up.fluence) * scale;
     // From 0 to twice the mean, from one face of the voxel to the other.
@@ -247,8 +308,14 @@ bool TileMarch::segment(Vec3f position, const Vec3f& perMm, float lengthMm, cons
     const bool field = multiple_ || emitted_ || backlight_, grey = medium_.greyExtinction();
 
     medium_.traverse(position, perMm, lengthMm, [&](int index, float a, float b) {
-        const TileMedium::Voxel& m = medium_.voxel(std::size_t(index));
         const float h = b - a;
+        TileMedium::Voxel blended;
+        if (blend_) {
+            const Vec3f middle = position + perMm * (0.5f * (a + b));
+            const std::size_t columns = std::size_t(medium_.size().x) * std::size_t(medium_.size().y);
+            blended = blend_->voxel(columnsAt(middle, place_), place_, int(std::size_t(index) / columns));
+        }
+        const TileMedium::Voxel& m = blend_ ? blended : medium_.voxel(std::size_t(index));
         if (!(maxComponent(m.extinction) > 0)) {
             if (emits) {
                 sum_.multiple += transmittance_ * medium_.emission(std::size_t(index)) * h;
@@ -281,7 +348,7 @@ bool TileMarch::segment(Vec3f position, const Vec3f& perMm, float lengthMm, cons
                 weightSum_ += weight;
                 if (pick_.x * weightSum_ < weight) {
                     pick_.x = pick_.x * weightSum_ / weight; // uniform again
-                    chosen_ = {transmittance_, position + perMm * a, perMm, h, weight, index};
+                    chosen_ = {transmittance_, position + perMm * a, perMm, h, weight, m, place_};
                     chosenHere_ = true;
                 } else {
                     pick_.x = (pick_.x * weightSum_ - weight) / std::max(weightSum_ - weight, 1e-30f);
@@ -308,16 +375,38 @@ bool TileMarch::segment(Vec3f position, const Vec3f& perMm, float lengthMm, cons
     return !ended_;
 }
 
+// Of the chosen step: a blend is the same all the way.
+UncollidedLight TileMarch::uncollided(const Vec3f& p, const Vec3f& towards) const {
+    if (!blend_) {
+        return medium_.uncollided(p, towards);
+    }
+    const Vec3d& mm = medium_.voxelMm();
+    const std::size_t columns = std::size_t(medium_.size().x) * std::size_t(medium_.size().y);
+    return medium_.uncollided(p, towards, [&](const Vec3f& from, const Vec3f& way) {
+        Rgb depth(0.0f);
+        const Vec3f d{float(way.x / mm.x), float(way.y / mm.y), float(-way.z / mm.z)};
+        const float endless = 1e5f * float(mm.z * medium_.size().z);
+        medium_.traverse(from, d, endless, [&](int index, float a, float b) {
+            const Vec3f middle = from + d * (0.5f * (a + b));
+            depth += blend_->voxel(columnsAt(middle, chosen_.place), chosen_.place, int(std::size_t(index) / columns))
+                         .extinction *
+                     (b - a);
+            return true;
+        });
+        return depth;
+    });
+}
+
 // A point of the chosen step by the free flight of one channel, weighted by the mean density of all three, so that no
 // weight exceeds three whatever the channels' extinctions are (one-sample balance heuristic; Wilkie et al. 2014, "Hero
 // Wavelength Spectral Sampling"). Single scattering has the true phase function and the light's own attenuation through
 // the tile.
 Rgb TileMarch::chosenSingle() const {
     Rgb single(0.0f);
-    if (chosen_.voxel < 0) {
+    if (!(chosen_.weight > 0)) {
         return single;
     }
-    const TileMedium::Voxel& m = medium_.voxel(std::size_t(chosen_.voxel));
+    const TileMedium::Voxel& m = chosen_.voxel;
     const float h = chosen_.lengthMm, u = flightPick_;
     const auto density = [&](float k, float x) {
         return k * h > 1e-4f ? k * std::exp(-k * x) / -std::expm1(-k * h) : 1 / h;
@@ -333,7 +422,7 @@ Rgb TileMarch::chosenSingle() const {
         if (!(l.towards.z > 0) || !(maxComponent(l.forSingle) > 0)) {
             continue;
         }
-        const UncollidedLight light = medium_.uncollided(p, l.towards);
+        const UncollidedLight light = uncollided(p, l.towards);
         single += path * l.forSingle * light.fraction * henyeyGreenstein(m.g, -light.towards, viewer);
         if (medium_.openBottom()) {
             const Vec3f up{-light.towards.x, -light.towards.y, light.towards.z};

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "stfLib/base/sampler.h"
+#include "stfLib/transport/histogram_blend.h"
 #include "stfLib/transport/stf_table.h"
 #include "stfLib/transport/tile_medium.h"
 
@@ -35,7 +36,8 @@ struct TileRadiance {
 /// Reads parts of the table at their first use, which throws Error where the file is damaged.
 class TileMarch {
 public:
-    TileMarch(const TileMedium& medium, const StfTable& table);
+    /// `blend`: of the same medium and table, where points may show several places of the tile at once; or null.
+    TileMarch(const TileMedium& medium, const StfTable& table, const HistogramBlend* blend = nullptr);
 
     /// Whether a path sees the tile shifted at random by less than a voxel along x and y: the image is then that of
     /// the voxels under a box filter of one voxel, so no single voxel shows its faces. `None`: the voxels as they are.
@@ -48,6 +50,10 @@ public:
     /// tile's frame at the next segments. Cheap where they hardly differ from the last ones: below 1.5 milliradians
     /// those are kept.
     void setFrame(const MarchLight* lights, int count, const Vec3f& towardsViewer);
+
+    /// Which places of the tile the next segments show beside their own; nothing without a blend. Each step of a
+    /// voxel of the position's own tile has one blend, that of its middle.
+    void setBlend(const BlendPlace& place);
 
     /// Marches `lengthMm` from a position (voxel units, z inward, clamped into the tile) along a direction in voxels
     /// per mm. `coreRadiance` is what leaves the core below. False once roulette has ended the path.
@@ -64,7 +70,13 @@ private:
         Rgb transmittance;     // in front of the step
         Vec3f position, perMm; // of its start
         float lengthMm = 0, weight = 0;
-        int voxel = -1;
+        TileMedium::Voxel voxel; // where weight > 0
+        BlendPlace place;
+    };
+    // What one or, in a blend, three places of the table hold.
+    struct Items {
+        std::array<std::size_t, 3> item{0, 0, 0};
+        std::size_t layer = 0;
     };
     // A light of a refracting relief, folded for three axes: its fluence and the three components of its flux.
     using AxisLight = std::array<FoldedLight, 3>;
@@ -72,14 +84,19 @@ private:
     void foldFrame();
     void foldOne(const FactoredField* field, FoldedLight& light) const;
     void openBacklight();
-    FieldValue valueAt(std::size_t item, const Rgb& coreRadiance) const;
+    std::array<std::size_t, 3> columnsAt(const Vec3f& position, const BlendPlace& place) const;
+    FieldValue read(const FactoredField& field, const FactoredField* means, const FoldedLight& light,
+                    const Items& items) const;
+    FieldValue valueAt(const Items& items, const Rgb& coreRadiance) const;
     FieldValue fieldAt(const Vec3f& position, const TileMedium::Voxel& voxel, std::size_t& item,
                        const Rgb& coreRadiance);
+    UncollidedLight uncollided(const Vec3f& position, const Vec3f& towards) const;
     Rgb storedSingle(std::size_t item, float g) const;
     Rgb chosenSingle() const;
 
     const TileMedium& medium_;
     const StfTable& table_;
+    const HistogramBlend* const blend_;
     const FactoredField* multiple_ = nullptr; // null where there is nothing in it
     const FactoredField* single_ = nullptr;
     const FactoredField* emitted_ = nullptr;
@@ -97,6 +114,7 @@ private:
     bool ended_ = false;
 
     // Of the frame; the chosen step keeps that in which it was taken.
+    BlendPlace place_;
     bool framed_ = false, chosenHere_ = false, wantsSingle_ = false;
     std::vector<MarchLight> lights_, chosenLights_;
     Vec3f viewer_, chosenViewer_;

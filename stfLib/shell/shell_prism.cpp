@@ -46,33 +46,40 @@ bool ShellPrism::set(const RefinedSurface& surface, const ShellBoundary& boundar
     return true;
 }
 
+bool ShellPrism::newton(const Vec3d& w, Point& point, Vec3d& step) const {
+    const Vec3d n = direction(point.b1, point.b2);
+    const Vec3d c1 = e1 - m1 * point.d, c2 = e2 - m2 * point.d;
+    const Vec3d residual = w - (e1 * point.b1 + e2 * point.b2 - n * point.d);
+    const Vec3d c1c2 = cross(c1, c2);
+    const double det = -dot(c1c2, n);
+    if (!(std::abs(det) > 0)) {
+        return false;
+    }
+    step = {-dot(residual, cross(c2, n)) / det, -dot(residual, cross(n, c1)) / det, dot(residual, c1c2) / det};
+    point.b1 += step.x;
+    point.b2 += step.y;
+    point.d += step.z;
+    point.folded = det > 0;
+    return true;
+}
+
 bool ShellPrism::invert(const Vec3d& w, double outside, double beyond, Point& point) const {
-    double b1 = 1.0 / 3, b2 = 1.0 / 3;
-    const double along = dot(direction(b1, b2), facet);
-    double d = along > 0.05 ? -dot(w, facet) / along : 0;
+    Point at{1.0 / 3, 1.0 / 3, 0, false};
+    const double along = dot(direction(at.b1, at.b2), facet);
+    at.d = along > 0.05 ? -dot(w, facet) / along : 0;
     const double depthScale = largestThickness() + outside + beyond;
-    double det = 0;
+    double &b1 = at.b1, &b2 = at.b2, &d = at.d;
     bool converged = false;
     for (int step = 0; step < 20 && !converged; ++step) {
-        const Vec3d n = direction(b1, b2);
-        const Vec3d c1 = e1 - m1 * d, c2 = e2 - m2 * d;
-        const Vec3d residual = w - (e1 * b1 + e2 * b2 - n * d);
-        const Vec3d c1c2 = cross(c1, c2);
-        det = -dot(c1c2, n);
-        if (!(std::abs(det) > 0)) {
+        Vec3d by;
+        if (!newton(w, at, by)) {
             return false;
         }
-        const double db1 = -dot(residual, cross(c2, n)) / det;
-        const double db2 = -dot(residual, cross(n, c1)) / det;
-        const double dd = dot(residual, c1c2) / det;
-        b1 += db1;
-        b2 += db2;
-        d += dd;
         // The first step is nearly exact already on surfaces that are flat over a triangle.
         if (!(std::abs(b1) < 8 && std::abs(b2) < 8) || (step == 0 && (b1 < -1 || b2 < -1 || b1 + b2 > 2))) {
             return false;
         }
-        converged = std::abs(db1) < 1e-7 && std::abs(db2) < 1e-7 && std::abs(dd) < 1e-7 * depthScale;
+        converged = std::abs(by.x) < 1e-7 && std::abs(by.y) < 1e-7 && std::abs(by.z) < 1e-7 * depthScale;
     }
     if (!converged || b1 < -barycentricTolerance || b2 < -barycentricTolerance || b1 + b2 > 1 + barycentricTolerance) {
         return false;
@@ -82,7 +89,7 @@ bool ShellPrism::invert(const Vec3d& w, double outside, double beyond, Point& po
     if (d < -outside || d > thickness(b1, b2) + beyond) {
         return false;
     }
-    point = {b1, b2, d, det > 0};
+    point = at;
     return true;
 }
 

@@ -32,6 +32,15 @@ struct ShellPrism {
         double b1 = 0, b2 = 0, d = 0;
         bool folded = false; ///< inside out: the offset has passed its focus
     };
+    Vec3d at(const Point& p) const { return p0 + e1 * p.b1 + e2 * p.b2 - direction(p.b1, p.b2) * p.d; }
+    /// Derivative of X by b1, b2 or d.
+    Vec3d column(int i, const Point& p) const {
+        return i == 0 ? e1 - m1 * p.d : i == 1 ? e2 - m2 * p.d : -direction(p.b1, p.b2);
+    }
+    /// One step of Newton's method from `point` towards the point p0 + w; `step` is what was added to b1, b2 and d.
+    /// False where the derivative is singular.
+    bool newton(const Vec3d& w, Point& point, Vec3d& step) const;
+
     /// Inverts X for the point p0 + w by Newton's method. False if the point is not between `outside` above the surface
     /// and `beyond` below the inner boundary, or not over the triangle.
     bool invert(const Vec3d& w, double outside, double beyond, Point& point) const;

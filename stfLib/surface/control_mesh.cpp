@@ -159,6 +159,35 @@ void sanitizeUvs(ControlMesh& mesh, const Selection& selection, MeshRepairs& rep
     }
 }
 
+/// The rest pose is whole or not at all: a missing point would tear the surface.
+void sanitizeRest(ControlMesh& mesh, MeshRepairs& repairs) {
+    if (mesh.rest.empty()) {
+        return;
+    }
+    const bool finite = std::all_of(mesh.rest.begin(), mesh.rest.end(), [](const Vec3f& p) { return usable(p); });
+    const bool onePoint =
+        std::all_of(mesh.rest.begin(), mesh.rest.end(), [&](const Vec3f& p) { return p == mesh.rest[0]; });
+    if (mesh.rest.size() != mesh.points.size() || !finite || onePoint) {
+        mesh.rest.clear();
+        repairs.droppedRest = true;
+    }
+}
+
+/// Unit vectors, or zero where there is no wish.
+void sanitizeOrientation(ControlMesh& mesh, const Selection& selection, MeshRepairs& repairs) {
+    if (mesh.orientation.empty()) {
+        return;
+    }
+    if (!applySelection(mesh.orientation, mesh.orientationInterpolation, mesh, selection)) {
+        mesh.orientation.clear();
+        repairs.droppedOrientation = true;
+    }
+    for (Vec3f& d : mesh.orientation) {
+        repairs.nonFiniteOrientations += !usable(d);
+        d = usable(d) ? normalize(d) : Vec3f();
+    }
+}
+
 void sanitizeHoles(ControlMesh& mesh, std::size_t givenFaces, const Selection& selection, MeshRepairs& repairs) {
     std::vector<char> hole(givenFaces, 0);
     for (int f : mesh.holeIndices) {
@@ -274,6 +303,8 @@ MeshRepairs sanitize(ControlMesh& mesh) {
         mesh.colors.clear();
         repairs.droppedColors = true;
     }
+    sanitizeRest(mesh, repairs);
+    sanitizeOrientation(mesh, selection, repairs);
     sanitizeHoles(mesh, givenFaces, selection, repairs);
 
     keep(mesh.faceVertexIndices, selection.corners);
@@ -316,6 +347,10 @@ std::string MeshRepairs::summary() const {
     add(droppedUvs, "texture coordinates ignored (wrong counts or indices)");
     add(droppedColors, "colours ignored (wrong count)");
     add(droppedNormals, "normals ignored (wrong count)");
+    add(droppedRest, "stf:rest ignored (wrong count, not finite, or all points in one)");
+    add(droppedOrientation, "stf:orientation ignored (wrong count)");
+    add(nonFiniteOrientations > 0,
+        counted(nonFiniteOrientations, "vector", "vectors") + " of stf:orientation ignored (not finite)");
     add(droppedTags, "subdivision tags out of range ignored");
     return text.empty() ? text : text + ".";
 }

@@ -41,6 +41,13 @@ struct ControlMesh {
     /// displayColor; empty: grey.
     std::vector<Rgb> colors;
     Interpolation colorInterpolation = Interpolation::Constant;
+
+    /// Where the points are in the rest pose, one per point; empty: the mesh has none.
+    std::vector<Vec3f> rest;
+
+    /// Tangents that the sample's x axis shall follow; zero: no wish there. Empty: none anywhere.
+    std::vector<Vec3f> orientation;
+    Interpolation orientationInterpolation = Interpolation::Vertex;
 };
 
 /// What `sanitize` found and mended.
@@ -53,6 +60,9 @@ struct MeshRepairs {
     bool droppedColors = false;
     bool droppedNormals = false;
     bool droppedTags = false; ///< creases, corners, holes out of range
+    bool droppedRest = false; ///< wrong count, not finite, or all points in one
+    bool droppedOrientation = false;
+    int nonFiniteOrientations = 0; ///< set to zero: no wish there
     /// One sentence, empty if nothing had to be mended.
     std::string summary() const;
 };

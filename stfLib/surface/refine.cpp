@@ -14,6 +14,8 @@ ControlMesh turned(const ControlMesh& mesh) {
     const bool turnNormals =
         mesh.normalInterpolation == ControlMesh::Interpolation::FaceVarying && !mesh.normals.empty();
     const bool turnColors = mesh.colorInterpolation == ControlMesh::Interpolation::FaceVarying && !mesh.colors.empty();
+    const bool turnOrientation =
+        mesh.orientationInterpolation == ControlMesh::Interpolation::FaceVarying && !mesh.orientation.empty();
     std::size_t begin = 0;
     for (int count : mesh.faceVertexCounts) {
         // The first vertex stays, as OpenSubdiv has it for left-handed meshes.
@@ -31,35 +33,45 @@ ControlMesh turned(const ControlMesh& mesh) {
         if (turnColors) {
             turn(out.colors);
         }
+        if (turnOrientation) {
+            turn(out.orientation);
+        }
         begin += std::size_t(count);
     }
     return out;
 }
 
 /// Removes points and uvs that no triangle uses and fills the bounds.
-void compact(RefinedSurface& surface) {
+void compact(RefinedSurface& surface, SurfacePose* pose) {
     std::vector<int> number(surface.points.size(), -1);
     for (const Vec3i& t : surface.triangles) {
         number[std::size_t(t.x)] = number[std::size_t(t.y)] = number[std::size_t(t.z)] = 0;
     }
     int used = 0;
-    for (std::size_t i = 0; i < number.size(); ++i) {
-        if (number[i] < 0) {
-            continue;
-        }
-        number[i] = used;
-        surface.points[std::size_t(used)] = surface.points[i];
-        surface.normals[std::size_t(used)] = surface.normals[i];
-        if (!surface.colors.empty()) {
-            surface.colors[std::size_t(used)] = surface.colors[i];
-        }
-        surface.bounds.add(surface.points[std::size_t(used)]);
-        ++used;
+    for (int& n : number) {
+        n = n < 0 ? n : used++;
     }
-    surface.points.resize(std::size_t(used));
-    surface.normals.resize(std::size_t(used));
-    if (!surface.colors.empty()) {
-        surface.colors.resize(std::size_t(used));
+    const auto keepUsed = [&](auto& values) {
+        if (values.empty()) {
+            return;
+        }
+        for (std::size_t i = 0; i < number.size(); ++i) {
+            if (number[i] >= 0) {
+                values[std::size_t(number[i])] = values[i];
+            }
+        }
+        values.resize(std::size_t(used));
+    };
+    keepUsed(surface.points);
+    keepUsed(surface.normals);
+    keepUsed(surface.colors);
+    keepUsed(surface.orientation);
+    if (pose) {
+        keepUsed(pose->points);
+        keepUsed(pose->normals);
+    }
+    for (const Vec3f& p : surface.points) {
+        surface.bounds.add(p);
     }
     for (Vec3i& t : surface.triangles) {
         t = {number[std::size_t(t.x)], number[std::size_t(t.y)], number[std::size_t(t.z)]};
@@ -82,22 +94,53 @@ void compact(RefinedSurface& surface) {
     }
 }
 
-} // namespace
-
-RefinedSurface refine(const ControlMesh& mesh, const RefineOptions& options, const MessageSink& messages) {
+RefinedSurface refineWithPose(const ControlMesh& mesh, const RefineOptions& options, const MessageSink& messages,
+                              SurfacePose* pose) {
     if (mesh.faceVertexCounts.empty()) {
         throw Error("the mesh has no usable face");
     }
     if (mesh.leftHanded) {
-        return refine(turned(mesh), options, messages);
+        return refineWithPose(turned(mesh), options, messages, pose);
     }
-    RefinedSurface surface = mesh.scheme == ControlMesh::Scheme::None ? refinePolygons(mesh, options, messages)
-                                                                      : refineSubdivision(mesh, options, messages);
-    compact(surface);
+    RefinedSurface surface = mesh.scheme == ControlMesh::Scheme::None
+                                 ? refinePolygons(mesh, options, messages, pose)
+                                 : refineSubdivision(mesh, options, messages, pose);
+    compact(surface, pose);
     if (surface.triangles.empty()) {
         throw Error("the mesh has no usable face: all are holes");
     }
     return surface;
+}
+
+} // namespace
+
+RefinedSurface refine(const ControlMesh& mesh, const RefineOptions& options, const MessageSink& messages) {
+    return refineWithPose(mesh, options, messages, nullptr);
+}
+
+RefinedSurface refineAtRest(const ControlMesh& mesh, const RefineOptions& options, const MessageSink& messages,
+                            SurfacePose& pose) {
+    if (mesh.rest.size() != mesh.points.size()) {
+        throw Error("the mesh has no rest pose");
+    }
+    ControlMesh atRest = mesh;
+    pose = {};
+    pose.points = std::move(atRest.points);
+    atRest.points = std::move(atRest.rest);
+    atRest.rest.clear();
+    return refineWithPose(atRest, options, messages, &pose);
+}
+
+RefinedSurface inPose(const RefinedSurface& surface, SurfacePose pose) {
+    RefinedSurface posed = surface;
+    posed.points = std::move(pose.points);
+    posed.normals = std::move(pose.normals);
+    posed.cornerNormals = std::move(pose.cornerNormals);
+    posed.bounds = {};
+    for (const Vec3f& p : posed.points) {
+        posed.bounds.add(p);
+    }
+    return posed;
 }
 
 float cornerAngle(const std::vector<Vec3f>& points, const Vec3i& triangle, int c) {
@@ -128,31 +171,36 @@ std::vector<Vec3f> angleWeightedNormals(const std::vector<Vec3f>& points, const 
     return normals;
 }
 
-std::vector<Rgb> controlPointColors(const ControlMesh& mesh) {
+std::vector<Vec3f> controlPointValues(const ControlMesh& mesh, const std::vector<Vec3f>& values,
+                                      ControlMesh::Interpolation interpolation) {
     using Interpolation = ControlMesh::Interpolation;
-    if (mesh.colors.empty()) {
-        return {};
+    if (values.empty() || interpolation == Interpolation::Vertex) {
+        return values;
     }
-    if (mesh.colorInterpolation == Interpolation::Vertex) {
-        return mesh.colors;
-    }
-    std::vector<Rgb> colors(mesh.points.size(), mesh.colors[0]);
-    if (mesh.colorInterpolation == Interpolation::Constant) {
-        return colors;
+    std::vector<Vec3f> means(mesh.points.size(), values[0]);
+    if (interpolation == Interpolation::Constant) {
+        return means;
     }
     std::vector<int> uses(mesh.points.size(), 0);
     std::size_t corner = 0;
     for (std::size_t f = 0; f < mesh.faceVertexCounts.size(); ++f) {
         for (int i = 0; i < mesh.faceVertexCounts[f]; ++i, ++corner) {
             const std::size_t v = std::size_t(mesh.faceVertexIndices[corner]);
-            const Rgb& c = mesh.colors[mesh.colorInterpolation == Interpolation::Uniform ? f : corner];
-            colors[v] = uses[v]++ ? colors[v] + c : c;
+            const Vec3f& c = values[interpolation == Interpolation::Uniform ? f : corner];
+            means[v] = uses[v]++ ? means[v] + c : c;
         }
     }
-    for (std::size_t v = 0; v < colors.size(); ++v) {
-        colors[v] /= float(std::max(1, uses[v]));
+    for (std::size_t v = 0; v < means.size(); ++v) {
+        means[v] /= float(std::max(1, uses[v]));
     }
-    return colors;
+    return means;
+}
+
+void normalizeOrientation(std::vector<Vec3f>& orientation) {
+    constexpr float leastAgreement = 0.3f; // of unit vectors, in the length of their mean
+    for (Vec3f& d : orientation) {
+        d = length(d) > leastAgreement ? normalize(d) : Vec3f();
+    }
 }
 
 double typicalLargest(std::vector<double>& lengths) {

@@ -8,8 +8,11 @@
 
 namespace stf {
 
-RefinedSurface refineSubdivision(const ControlMesh& mesh, const RefineOptions& options, const MessageSink& messages);
-RefinedSurface refinePolygons(const ControlMesh& mesh, const RefineOptions& options, const MessageSink& messages);
+/// `pose`, where not null, holds one point per control point and becomes the pose of the refined surface.
+RefinedSurface refineSubdivision(const ControlMesh& mesh, const RefineOptions& options, const MessageSink& messages,
+                                 SurfacePose* pose);
+RefinedSurface refinePolygons(const ControlMesh& mesh, const RefineOptions& options, const MessageSink& messages,
+                              SurfacePose* pose);
 
 /// Sum of the triangles' normals at each point, weighted by the angle there, so that it does not depend on the
 /// triangulation of planar faces. `cornerNormals` (3 per triangle), where not empty, replace the triangles' own. Unit,
@@ -20,8 +23,12 @@ std::vector<Vec3f> angleWeightedNormals(const std::vector<Vec3f>& points, const 
 /// Angle at corner `c` of a triangle, radians.
 float cornerAngle(const std::vector<Vec3f>& points, const Vec3i& triangle, int c);
 
-/// One colour per control point; colours of faces and face vertices are averaged there. Empty: the mesh has none.
-std::vector<Rgb> controlPointColors(const ControlMesh& mesh);
+/// One value per control point; values of faces and face vertices are averaged there. Empty: there are none.
+std::vector<Vec3f> controlPointValues(const ControlMesh& mesh, const std::vector<Vec3f>& values,
+                                      ControlMesh::Interpolation interpolation);
+
+/// Interpolated tangents as unit vectors; zero where those around contradict one another or have no wish.
+void normalizeOrientation(std::vector<Vec3f>& orientation);
 
 /// The 95th percentile of lengths; reorders them.
 double typicalLargest(std::vector<double>& lengths);

@@ -17,9 +17,9 @@ Vec3d polygonNormal(const std::vector<Vec3d>& corners) {
     return normalize(sum);
 }
 
-/// Triangulates all faces but holes; corner normals are authored ones, else the facets'.
-void triangulate(const ControlMesh& mesh, RefinedSurface& surface) {
-    using Interpolation = ControlMesh::Interpolation;
+/// Triangulates all faces but holes. Returns the face vertex of each corner, 3 per triangle.
+std::vector<std::size_t> triangulate(const ControlMesh& mesh, RefinedSurface& surface) {
+    std::vector<std::size_t> faceVertices;
     std::vector<int> uvIndices;
     if (!mesh.uvIndices.empty()) {
         weldUvs(mesh, surface.uvs, uvIndices);
@@ -40,7 +40,6 @@ void triangulate(const ControlMesh& mesh, RefinedSurface& surface) {
             }
             triangles.clear();
             triangulateFace(corners, triangles);
-            const Vec3f facet(polygonNormal(corners));
             for (const Vec3i& t : triangles) {
                 const auto pick = [&](const std::vector<int>& from) {
                     return Vec3i(from[begin + std::size_t(t.x)], from[begin + std::size_t(t.y)],
@@ -52,38 +51,76 @@ void triangulate(const ControlMesh& mesh, RefinedSurface& surface) {
                     surface.uvTriangles.push_back(pick(uvIndices));
                 }
                 for (int c = 0; c < 3; ++c) {
-                    const std::size_t corner = begin + std::size_t(t[c]);
-                    Vec3f n;
-                    if (!mesh.normals.empty()) {
-                        const std::size_t which = mesh.normalInterpolation == Interpolation::Constant  ? 0
-                                                  : mesh.normalInterpolation == Interpolation::Uniform ? f
-                                                  : mesh.normalInterpolation == Interpolation::Vertex
-                                                      ? std::size_t(mesh.faceVertexIndices[corner])
-                                                      : corner;
-                        n = normalize(mesh.normals[which]);
-                    }
-                    // Authored normals that look away from their face are errors of export.
-                    surface.cornerNormals.push_back(dot(n, facet) > 0.05f ? n : facet);
+                    faceVertices.push_back(begin + std::size_t(t[c]));
                 }
             }
         }
         begin += count;
     }
+    return faceVertices;
 }
 
-/// Points that nothing gives a direction to (folded sheets) still need one.
-void fillMissingNormals(RefinedSurface& surface) {
-    for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
-        for (int c = 0; c < 3; ++c) {
-            Vec3f& n = surface.normals[std::size_t(surface.triangles[t][c])];
-            if (!(dot(n, n) > 0.5f)) {
-                n = surface.cornerNormals[3 * t + std::size_t(c)];
-            }
-            if (!(dot(n, n) > 0.5f)) {
-                n = {0, 0, 1};
-            }
+/// Normals of the triangles' corners, for the mesh's points being at `points`: authored ones, where they are of that
+/// pose, else the facets'.
+std::vector<Vec3f> normalsOfCorners(const ControlMesh& mesh, const std::vector<Vec3f>& points, bool authored,
+                                    const std::vector<std::size_t>& faceVertices, const std::vector<int>& faces) {
+    using Interpolation = ControlMesh::Interpolation;
+    std::vector<Vec3f> facets;
+    std::vector<Vec3d> corners;
+    std::size_t begin = 0;
+    for (const int count : mesh.faceVertexCounts) {
+        corners.clear();
+        for (std::size_t i = begin; i < begin + std::size_t(count); ++i) {
+            corners.emplace_back(points[std::size_t(mesh.faceVertexIndices[i])]);
+        }
+        facets.emplace_back(polygonNormal(corners));
+        begin += std::size_t(count);
+    }
+    std::vector<Vec3f> normals;
+    normals.reserve(faceVertices.size());
+    for (std::size_t i = 0; i < faceVertices.size(); ++i) {
+        const std::size_t f = std::size_t(faces[i / 3]), corner = faceVertices[i];
+        Vec3f n;
+        if (authored && !mesh.normals.empty()) {
+            const std::size_t which = mesh.normalInterpolation == Interpolation::Constant  ? 0
+                                      : mesh.normalInterpolation == Interpolation::Uniform ? f
+                                      : mesh.normalInterpolation == Interpolation::Vertex
+                                          ? std::size_t(mesh.faceVertexIndices[corner])
+                                          : corner;
+            n = normalize(mesh.normals[which]);
+        }
+        // Authored normals that look away from their face are errors of export.
+        normals.push_back(dot(n, facets[f]) > 0.05f ? n : facets[f]);
+    }
+    return normals;
+}
+
+/// One direction per point, which the shell needs: the mean of its corners', which for smooth authored normals is just
+/// those. Points that nothing gives a direction to (folded sheets) still get one.
+std::vector<Vec3f> normalsOfPoints(const std::vector<Vec3f>& points, const std::vector<Vec3i>& triangles,
+                                   const std::vector<Vec3f>& cornerNormals) {
+    std::vector<Vec3f> normals = angleWeightedNormals(points, triangles, cornerNormals);
+    for (std::size_t i = 0; i < cornerNormals.size(); ++i) {
+        Vec3f& n = normals[std::size_t(triangles[i / 3][int(i % 3)])];
+        if (!(dot(n, n) > 0.5f)) {
+            n = cornerNormals[i];
+        }
+        if (!(dot(n, n) > 0.5f)) {
+            n = {0, 0, 1};
         }
     }
+    return normals;
+}
+
+/// Whether the corners' normals say no more than the points'.
+bool smooth(const std::vector<Vec3i>& triangles, const std::vector<Vec3f>& cornerNormals,
+            const std::vector<Vec3f>& normals) {
+    for (std::size_t i = 0; i < cornerNormals.size(); ++i) {
+        if (!(dot(cornerNormals[i], normals[std::size_t(triangles[i / 3][int(i % 3)])]) > 0.9999f)) {
+            return false;
+        }
+    }
+    return true;
 }
 
 /// Numbers the midpoints of edges; a midpoint is shared by all triangles at its edge, so that no crack can open.
@@ -113,22 +150,42 @@ void appendQuarters(const Vec3i& t, const Vec3i& m, std::vector<Vec3i>& out) {
     out.push_back({m.x, m.y, m.z});
 }
 
+/// Corner normals of the four triangles that replace each.
+std::vector<Vec3f> splitCornerNormals(const std::vector<Vec3f>& normals) {
+    std::vector<Vec3f> out;
+    out.reserve(4 * normals.size());
+    for (std::size_t i = 0; i < normals.size(); i += 3) {
+        const Vec3f* n = &normals[i];
+        const Vec3f a = normalize(n[0] + n[1]), b = normalize(n[1] + n[2]), c = normalize(n[2] + n[0]);
+        out.insert(out.end(), {n[0], a, c, a, n[1], b, c, b, n[2], a, b, c});
+    }
+    return out;
+}
+
 /// Replaces every triangle by four.
-void split(RefinedSurface& s) {
+void split(RefinedSurface& s, SurfacePose* pose) {
     const std::size_t count = s.triangles.size();
     Midpoints pointMids(count * 3 / 2), uvMids(s.uvs.empty() ? 0 : count * 3 / 2);
     const auto makePoint = [&](std::size_t a, std::size_t b) {
-        s.points.push_back((s.points[a] + s.points[b]) * 0.5f);
-        const Vec3f n = s.normals[a] + s.normals[b];
-        s.normals.push_back(length(n) > 1e-3f ? normalize(n) : s.normals[a]);
+        const auto halve = [&](std::vector<Vec3f>& points, std::vector<Vec3f>& normals) {
+            points.push_back((points[a] + points[b]) * 0.5f);
+            const Vec3f n = normals[a] + normals[b];
+            normals.push_back(length(n) > 1e-3f ? normalize(n) : normals[a]);
+        };
+        halve(s.points, s.normals);
+        if (pose) {
+            halve(pose->points, pose->normals);
+        }
         if (!s.colors.empty()) {
             s.colors.push_back((s.colors[a] + s.colors[b]) * 0.5f);
+        }
+        if (!s.orientation.empty()) {
+            s.orientation.push_back((s.orientation[a] + s.orientation[b]) * 0.5f);
         }
     };
     const auto makeUv = [&](std::size_t a, std::size_t b) { s.uvs.push_back((s.uvs[a] + s.uvs[b]) * 0.5f); };
 
     std::vector<Vec3i> triangles, uvTriangles;
-    std::vector<Vec3f> cornerNormals;
     std::vector<int> faces;
     triangles.reserve(4 * count);
     for (std::size_t i = 0; i < count; ++i) {
@@ -146,15 +203,13 @@ void split(RefinedSurface& s) {
             }
             appendQuarters(u, m, uvTriangles);
         }
-        if (!s.cornerNormals.empty()) {
-            const Vec3f* n = &s.cornerNormals[3 * i];
-            const Vec3f a = normalize(n[0] + n[1]), b = normalize(n[1] + n[2]), c = normalize(n[2] + n[0]);
-            cornerNormals.insert(cornerNormals.end(), {n[0], a, c, a, n[1], b, c, b, n[2], a, b, c});
-        }
     }
     s.triangles.swap(triangles);
     s.uvTriangles.swap(uvTriangles);
-    s.cornerNormals.swap(cornerNormals);
+    s.cornerNormals = splitCornerNormals(s.cornerNormals);
+    if (pose) {
+        pose->cornerNormals = splitCornerNormals(pose->cornerNormals);
+    }
     s.triangleFace.swap(faces);
 }
 
@@ -191,27 +246,33 @@ int splitLevels(const RefinedSurface& surface, const RefineOptions& options, con
 
 } // namespace
 
-RefinedSurface refinePolygons(const ControlMesh& mesh, const RefineOptions& options, const MessageSink& messages) {
+RefinedSurface refinePolygons(const ControlMesh& mesh, const RefineOptions& options, const MessageSink& messages,
+                              SurfacePose* pose) {
     RefinedSurface surface;
     surface.points = mesh.points;
-    surface.colors = controlPointColors(mesh);
-    triangulate(mesh, surface);
-    // The shell needs one direction per point: the mean of its corners', which for smooth authored normals is just
-    // those.
-    surface.normals = angleWeightedNormals(surface.points, surface.triangles, surface.cornerNormals);
-    fillMissingNormals(surface);
-
-    bool smooth = true;
-    for (std::size_t i = 0; smooth && i < surface.cornerNormals.size(); ++i) {
-        const int point = surface.triangles[i / 3][int(i % 3)];
-        smooth = dot(surface.cornerNormals[i], surface.normals[std::size_t(point)]) > 0.9999f;
-    }
-    if (smooth) {
-        surface.cornerNormals.clear();
+    surface.colors = controlPointValues(mesh, mesh.colors, mesh.colorInterpolation);
+    surface.orientation = controlPointValues(mesh, mesh.orientation, mesh.orientationInterpolation);
+    const std::vector<std::size_t> faceVertices = triangulate(mesh, surface);
+    const auto shade = [&](const std::vector<Vec3f>& points, bool authored, std::vector<Vec3f>& normals,
+                           std::vector<Vec3f>& cornerNormals) {
+        cornerNormals = normalsOfCorners(mesh, points, authored, faceVertices, surface.triangleFace);
+        normals = normalsOfPoints(points, surface.triangles, cornerNormals);
+        if (smooth(surface.triangles, cornerNormals, normals)) {
+            cornerNormals.clear();
+        }
+    };
+    // Authored normals are those of the pose in which the mesh is given.
+    shade(surface.points, !pose, surface.normals, surface.cornerNormals);
+    if (pose) {
+        shade(pose->points, true, pose->normals, pose->cornerNormals);
+        if (pose->cornerNormals.empty()) {
+            surface.cornerNormals.clear(); // what is smooth in one pose is so in the other
+        }
     }
     for (int level = splitLevels(surface, options, messages); level > 0; --level) {
-        split(surface);
+        split(surface, pose);
     }
+    normalizeOrientation(surface.orientation);
     return surface;
 }
 

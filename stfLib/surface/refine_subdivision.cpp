@@ -18,18 +18,23 @@ namespace Sdc = OpenSubdiv::Sdc;
 
 /// What is subdivided together at a vertex. OpenSubdiv asks for Clear and AddWithWeight.
 struct VertexValue {
-    Vec3d position, color;
+    Vec3d position, posed, color, orientation;
     void Clear(void* = nullptr) { *this = {}; }
     void AddWithWeight(const VertexValue& v, double w) {
         position += v.position * w;
+        posed += v.posed * w;
         color += v.color * w;
+        orientation += v.orientation * w;
     }
 };
 
 struct Tangent {
-    Vec3d v;
-    void Clear(void* = nullptr) { v = {}; }
-    void AddWithWeight(const VertexValue& s, double w) { v += s.position * w; }
+    Vec3d v, posed;
+    void Clear(void* = nullptr) { *this = {}; }
+    void AddWithWeight(const VertexValue& s, double w) {
+        v += s.position * w;
+        posed += s.posed * w;
+    }
 };
 
 struct UvValue {
@@ -291,33 +296,40 @@ bool smoothVertex(const Far::TopologyLevel& level, int v) {
     return rule == Sdc::Crease::RULE_SMOOTH || rule == Sdc::Crease::RULE_DART || level.IsVertexBoundary(v);
 }
 
-void assignNormals(const Far::TopologyLevel& level, const std::vector<Tangent>& du, const std::vector<Tangent>& dv,
-                   RefinedSurface& surface) {
-    const std::vector<Vec3f> mean = angleWeightedNormals(surface.points, surface.triangles);
-    surface.normals.resize(surface.points.size());
-    for (std::size_t v = 0; v < surface.points.size(); ++v) {
-        surface.normals[v] = dot(mean[v], mean[v]) > 0.5f ? mean[v] : Vec3f(0, 0, 1);
+/// Limit normals of the positions, or of those posed.
+std::vector<Vec3f> limitNormals(const Far::TopologyLevel& level, const std::vector<Tangent>& du,
+                                const std::vector<Tangent>& dv, Vec3d Tangent::*which, const std::vector<Vec3f>& points,
+                                const std::vector<Vec3i>& triangles) {
+    const std::vector<Vec3f> mean = angleWeightedNormals(points, triangles);
+    std::vector<Vec3f> normals(points.size());
+    for (std::size_t v = 0; v < points.size(); ++v) {
+        normals[v] = dot(mean[v], mean[v]) > 0.5f ? mean[v] : Vec3f(0, 0, 1);
         if (du.empty() || !smoothVertex(level, int(v))) {
             continue;
         }
-        const Vec3d n = cross(du[v].v, dv[v].v);
+        const Vec3d u = du[v].*which, w = dv[v].*which, n = cross(u, w);
         // Tangents that are zero or parallel, and those of reflex corners, say nothing.
-        const bool degenerate = !(length(n) > 1e-7 * length(du[v].v) * length(dv[v].v));
+        const bool degenerate = !(length(n) > 1e-7 * length(u) * length(w));
         const Vec3f unit(normalize(n));
         if (!degenerate && (dot(unit, mean[v]) > 0.2f || !(dot(mean[v], mean[v]) > 0.5f))) {
-            surface.normals[v] = unit;
+            normals[v] = unit;
         }
     }
+    return normals;
 }
 
 } // namespace
 
-RefinedSurface refineSubdivision(const ControlMesh& mesh, const RefineOptions& options, const MessageSink& messages) {
+RefinedSurface refineSubdivision(const ControlMesh& mesh, const RefineOptions& options, const MessageSink& messages,
+                                 SurfacePose* pose) {
     LevelValues base;
-    const std::vector<Rgb> colors = controlPointColors(mesh);
+    const std::vector<Rgb> colors = controlPointValues(mesh, mesh.colors, mesh.colorInterpolation);
+    const std::vector<Vec3f> orientation = controlPointValues(mesh, mesh.orientation, mesh.orientationInterpolation);
     base.vertices.resize(mesh.points.size());
     for (std::size_t i = 0; i < mesh.points.size(); ++i) {
-        base.vertices[i] = {Vec3d(mesh.points[i]), colors.empty() ? Vec3d() : Vec3d(colors[i])};
+        base.vertices[i] = {Vec3d(mesh.points[i]), pose ? Vec3d(pose->points[i]) : Vec3d(),
+                            colors.empty() ? Vec3d() : Vec3d(colors[i]),
+                            orientation.empty() ? Vec3d() : Vec3d(orientation[i])};
     }
     std::vector<Vec2f> uvs;
     std::vector<int> uvIndices;
@@ -354,17 +366,30 @@ RefinedSurface refineSubdivision(const ControlMesh& mesh, const RefineOptions& o
     }
 
     RefinedSurface surface;
+    if (pose) {
+        pose->points.clear();
+    }
     for (const VertexValue& v : values.vertices) {
         surface.points.emplace_back(v.position);
+        if (pose) {
+            pose->points.emplace_back(v.posed);
+        }
         if (!colors.empty()) {
             surface.colors.emplace_back(v.color);
         }
+        if (!orientation.empty()) {
+            surface.orientation.emplace_back(v.orientation);
+        }
     }
+    normalizeOrientation(surface.orientation);
     for (const UvValue& uv : values.uvs) {
         surface.uvs.push_back({float(uv.u), float(uv.v)});
     }
     triangulate(*refiner, !values.uvs.empty(), surface);
-    assignNormals(level, du, dv, surface);
+    surface.normals = limitNormals(level, du, dv, &Tangent::v, surface.points, surface.triangles);
+    if (pose) {
+        pose->normals = limitNormals(level, du, dv, &Tangent::posed, pose->points, surface.triangles);
+    }
     return surface;
 }
 

@@ -16,11 +16,22 @@ struct RefinedSurface {
     std::vector<Vec2f> uvs;         ///< empty without uv
     std::vector<Vec3i> uvTriangles; ///< one per triangle, indices into uvs
     std::vector<Rgb> colors;        ///< one per point, empty: grey
+    std::vector<Vec3f> orientation; ///< one per point: wanted tangent, unit or zero (no wish); empty: none anywhere
     /// Shading normals per triangle corner (3 per triangle) where the mesh is faceted or has authored face-varying
     /// normals; empty: use `normals`.
     std::vector<Vec3f> cornerNormals;
     Box3f bounds;
 };
+
+/// A surface in another pose: what differs from the RefinedSurface whose points ride along.
+struct SurfacePose {
+    std::vector<Vec3f> points;        ///< one per point of the surface
+    std::vector<Vec3f> normals;       ///< unit, one per point
+    std::vector<Vec3f> cornerNormals; ///< 3 per triangle; empty: use `normals`
+};
+
+/// The surface with the points and normals of a pose.
+RefinedSurface inPose(const RefinedSurface& surface, SurfacePose pose);
 
 struct RefineOptions {
     /// Refine until the longest edge of a typical face (95th percentile) is below this, in object units; 0: only
@@ -37,5 +48,10 @@ struct RefineOptions {
 /// from limit tangents). Scheme None is triangulated only, but with `targetEdge` set its triangles are split evenly so
 /// that shells have samples. Deterministic. Throws Error with a reason.
 RefinedSurface refine(const ControlMesh& mesh, const RefineOptions& options, const MessageSink& messages);
+
+/// The same in the rest pose of a mesh that has one: level and triangulation are chosen there, so that they do not
+/// depend on the pose. The mesh's points ride along: `pose` becomes their limit surface.
+RefinedSurface refineAtRest(const ControlMesh& mesh, const RefineOptions& options, const MessageSink& messages,
+                            SurfacePose& pose);
 
 } // namespace stf

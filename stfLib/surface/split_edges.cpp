@@ -68,8 +68,8 @@ struct EdgeTable {
 
 class Splitter {
 public:
-    Splitter(RefinedSurface& surface, double maxEdge, std::size_t maxTriangles)
-        : s_(surface), maxEdge_(maxEdge), maxTriangles_(maxTriangles) {}
+    Splitter(RefinedSurface& surface, SurfacePose* pose, double maxEdge, std::size_t maxTriangles)
+        : s_(surface), pose_(pose), maxEdge_(maxEdge), maxTriangles_(maxTriangles) {}
 
     /// One round: false where nothing was left to split. Sets `full` where there was no room.
     bool round(bool& full) {
@@ -131,28 +131,39 @@ private:
 
     Vec3d at(int i) const { return Vec3d(s_.points[std::size_t(i)]); }
 
+    /// Appends the middle of the points a and b.
+    static void addMiddle(std::size_t a, std::size_t b, bool round, std::vector<Vec3f>& points,
+                          std::vector<Vec3f>& normals) {
+        const Vec3d na(normals[a]), nb(normals[b]), d = Vec3d(points[b]) - Vec3d(points[a]);
+        Vec3d p = (Vec3d(points[a]) + Vec3d(points[b])) * 0.5;
+        const double wa = dot(d, na), wb = -dot(d, nb);
+        // Bends to different sides, or at one end only, are no arc but an inflection or a crease.
+        if (round && wa * wb > 0) {
+            const double w = std::copysign(std::min(std::abs(wa), std::abs(wb)), wa);
+            p -= (na + nb) * (w / 8);
+        }
+        const Vec3d n = normalize(na + nb);
+        points.push_back(Vec3f(p));
+        normals.push_back(Vec3f(dot(n, n) > 0.5 ? n : na));
+    }
+
     void addMiddles(const EdgeTable& edges, const std::vector<char>& marked) {
         middle_.assign(edges.ends.size(), -1);
-        const bool round = s_.cornerNormals.empty();
         for (std::size_t e = 0; e < marked.size(); ++e) {
             if (!marked[e]) {
                 continue;
             }
             const std::size_t a = std::size_t(edges.ends[e].first), b = std::size_t(edges.ends[e].second);
-            const Vec3d na(s_.normals[a]), nb(s_.normals[b]), d = Vec3d(s_.points[b]) - Vec3d(s_.points[a]);
-            Vec3d p = (Vec3d(s_.points[a]) + Vec3d(s_.points[b])) * 0.5;
-            const double wa = dot(d, na), wb = -dot(d, nb);
-            // Bends to different sides, or at one end only, are no arc but an inflection or a crease.
-            if (round && wa * wb > 0) {
-                const double w = std::copysign(std::min(std::abs(wa), std::abs(wb)), wa);
-                p -= (na + nb) * (w / 8);
-            }
-            Vec3d n = normalize(na + nb);
             middle_[e] = int(s_.points.size());
-            s_.points.push_back(Vec3f(p));
-            s_.normals.push_back(Vec3f(dot(n, n) > 0.5 ? n : na));
+            addMiddle(a, b, s_.cornerNormals.empty(), s_.points, s_.normals);
+            if (pose_) {
+                addMiddle(a, b, pose_->cornerNormals.empty(), pose_->points, pose_->normals);
+            }
             if (!s_.colors.empty()) {
                 s_.colors.push_back((s_.colors[a] + s_.colors[b]) * 0.5f);
+            }
+            if (!s_.orientation.empty()) {
+                s_.orientation.push_back(normalize(s_.orientation[a] + s_.orientation[b]));
             }
             s_.bounds.add(s_.points.back());
         }
@@ -179,10 +190,20 @@ private:
     }
 
     void cut(const EdgeTable& edges, const std::vector<char>& longest, std::size_t pieces) {
-        const bool uv = !s_.uvs.empty(), corner = !s_.cornerNormals.empty();
+        const bool uv = !s_.uvs.empty();
         std::vector<Vec3i> triangles, uvTriangles;
         std::vector<int> faces;
-        std::vector<Vec3f> cornerNormals;
+        std::vector<Vec3f> cornerNormals, posedNormals;
+        const auto blendNormals = [](const std::vector<Vec3f>& from, std::size_t t, const Piece& piece,
+                                     std::vector<Vec3f>& to) {
+            for (int c = 0; c < 3 && !from.empty(); ++c) {
+                Vec3d n;
+                for (int k = 0; k < 3; ++k) {
+                    n += Vec3d(from[3 * t + std::size_t(k)]) * piece.weight[c][k];
+                }
+                to.push_back(Vec3f(normalize(n)));
+            }
+        };
         triangles.reserve(pieces);
         faces.reserve(pieces);
         for (std::size_t t = 0; t < s_.triangles.size(); ++t) {
@@ -211,12 +232,9 @@ private:
                 if (uv) {
                     uvTriangles.push_back(out[i].uv);
                 }
-                for (int c = 0; c < 3 && corner; ++c) {
-                    Vec3d n;
-                    for (int k = 0; k < 3; ++k) {
-                        n += Vec3d(s_.cornerNormals[3 * t + std::size_t(k)]) * out[i].weight[c][k];
-                    }
-                    cornerNormals.push_back(Vec3f(normalize(n)));
+                blendNormals(s_.cornerNormals, t, out[i], cornerNormals);
+                if (pose_) {
+                    blendNormals(pose_->cornerNormals, t, out[i], posedNormals);
                 }
             }
         }
@@ -224,6 +242,9 @@ private:
         s_.uvTriangles = std::move(uvTriangles);
         s_.triangleFace = std::move(faces);
         s_.cornerNormals = std::move(cornerNormals);
+        if (pose_) {
+            pose_->cornerNormals = std::move(posedNormals);
+        }
     }
 
     /// The half of `piece` on one side of the line from the middle of side `side` to the opposite corner. Corner
@@ -240,6 +261,7 @@ private:
     }
 
     RefinedSurface& s_;
+    SurfacePose* pose_;
     double maxEdge_;
     std::size_t maxTriangles_;
     std::vector<int> middle_, uvMiddle_; ///< of each edge; -1: not split
@@ -249,11 +271,11 @@ private:
 } // namespace
 
 RefinedSurface splitLongEdges(RefinedSurface surface, double maxEdge, std::size_t maxTriangles,
-                              const MessageSink& messages) {
+                              const MessageSink& messages, SurfacePose* pose) {
     if (!(maxEdge > 0) || !std::isfinite(maxEdge)) {
         throw Error("the wanted edge length is not positive");
     }
-    Splitter splitter(surface, maxEdge, maxTriangles);
+    Splitter splitter(surface, pose, maxEdge, maxTriangles);
     bool full = false;
     for (int i = 0; i < maxRounds && splitter.round(full); ++i) {
     }

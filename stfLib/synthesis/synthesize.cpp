@@ -101,8 +101,8 @@ double signedArea(const Vec2f& a, const Vec2f& b, const Vec2f& c) {
 } // namespace
 
 RefinedSurface sampleSurface(RefinedSurface surface, double texelMm, double mmPerUnit, std::size_t maxTriangles,
-                             const MessageSink& messages) {
-    return splitLongEdges(std::move(surface), kEdgeTexels * texelMm / mmPerUnit, maxTriangles, messages);
+                             const MessageSink& messages, SurfacePose* pose) {
+    return splitLongEdges(std::move(surface), kEdgeTexels * texelMm / mmPerUnit, maxTriangles, messages, pose);
 }
 
 Synthesis synthesize(const RefinedSurface& surface, const BaseVolume& volume, double mmPerUnit,

@@ -30,9 +30,10 @@ struct Synthesis {
     std::vector<std::pair<std::string, double>> seconds;
 };
 
-/// The surface with a vertex for about every `texelMm` of the sample, no more than `maxTriangles` triangles.
+/// The surface with a vertex for about every `texelMm` of the sample, no more than `maxTriangles` triangles. A `pose`
+/// of it follows.
 RefinedSurface sampleSurface(RefinedSurface surface, double texelMm, double mmPerUnit, std::size_t maxTriangles,
-                             const MessageSink& messages);
+                             const MessageSink& messages, SurfacePose* pose = nullptr);
 
 /// By-example synthesis of exemplar coordinates on a surface, which should be sampled about once per texel
 /// (docs/synthesis.md): charts that follow a direction field, the part of the sample each shows by k-coherence in

@@ -139,45 +139,22 @@ Rgb TileMedium::opticalDepth(const Vec3f& position, const Vec3f& towards) const 
     return depth;
 }
 
-UncollidedLight TileMedium::uncollided(const Vec3f& position, const Vec3f& towardsLight) const {
-    UncollidedLight light;
-    light.towards = towardsLight;
-    if (!(towardsLight.z > 0)) {
-        return light;
-    }
-    if (!refracts_ || hasSurface()) {
-        light.fraction = exp(-opticalDepth(position, towardsLight));
-        return light;
-    }
+TileMedium::FlatEntry TileMedium::enterFlat(const Vec3f& position, const Vec3f& towardsLight) const {
     // The index is that of the voxel where the light enters, which a varying index makes depend on the direction
     // inside: two rounds find it where neighbours differ little.
+    FlatEntry in{0, 1, towardsLight};
     float n = ior_.empty() ? uniformIor_ : ior({position.x, position.y, 0});
-    FresnelSplit split{};
     for (int round = 0; round < (ior_.empty() ? 1 : 2); ++round) {
-        split = fresnel(towardsLight.z, n);
-        light.towards = {towardsLight.x / n, towardsLight.y / n, split.cosT};
+        const FresnelSplit split = fresnel(towardsLight.z, n);
+        in = {split.cosT, split.reflectance, {towardsLight.x / n, towardsLight.y / n, split.cosT}};
         const float way = position.z * float(voxelMm_.z) / std::max(split.cosT, 1e-6f);
-        n = ior({position.x + light.towards.x * way / float(voxelMm_.x),
-                 position.y + light.towards.y * way / float(voxelMm_.y), 0});
+        n = ior({position.x + in.towards.x * way / float(voxelMm_.x),
+                 position.y + in.towards.y * way / float(voxelMm_.y), 0});
     }
-    if (!(split.cosT > 0)) {
-        return light;
+    if (in.cosT > 0) {
+        in.towards = normalize(in.towards);
     }
-    light.towards = normalize(light.towards);
-    const float entering = (1 - split.reflectance) * towardsLight.z / split.cosT;
-    const Rgb depth = opticalDepth(position, light.towards);
-    light.fraction = exp(-depth) * entering;
-    if (openBottom_) {
-        // The same at both faces, from inside. The columns below are taken to be like the one above.
-        const float f = split.reflectance;
-        const Rgb whole = opticalDepth({position.x, position.y, float(size_.z)}, light.towards);
-        for (int c = 0; c < 3; ++c) {
-            const float series = 1 / (1 - f * f * std::exp(-2 * whole[c]));
-            light.fraction[c] *= series;
-            light.reflected[c] = entering * series * f * std::exp(depth[c] - 2 * whole[c]);
-        }
-    }
-    return light;
+    return in;
 }
 
 } // namespace stf

@@ -70,11 +70,23 @@ public:
     /// What arrives at a point of the light from outside direction `towardsLight` without a collision: refracted by the
     /// flat top, (1 - F) cos_i / cos_t exp(-depth). Straight through reliefs (index 1 there, or StfTable::single). An
     /// open bottom reflects it up and the top down again, for ever: exact where all columns are alike.
-    UncollidedLight uncollided(const Vec3f& position, const Vec3f& towardsLight) const;
+    UncollidedLight uncollided(const Vec3f& position, const Vec3f& towardsLight) const {
+        return uncollided(position, towardsLight,
+                          [this](const Vec3f& p, const Vec3f& towards) { return opticalDepth(p, towards); });
+    }
+    /// The same through coefficients that are not the tile's own: depth(position, towards) as `opticalDepth`.
+    template<class Depth>
+    UncollidedLight uncollided(const Vec3f& position, const Vec3f& towardsLight, Depth&& depth) const;
 
 private:
     friend class Walker;
     friend class LaneWalker;
+    struct FlatEntry {
+        float cosT, reflectance;
+        Vec3f towards; ///< inside
+    };
+    /// How light comes through a refracting flat top to a point; cosT = 0 where none does.
+    FlatEntry enterFlat(const Vec3f& position, const Vec3f& towardsLight) const;
     Vec3i size_;
     Vec3d voxelMm_;
     TransportForm form_;
@@ -111,6 +123,38 @@ float TileMedium::traverse(const Vec3f& position, const Vec3f& direction, float 
                         [&](float a, float b, bool inside) { go = go && (!inside || visit(voxel, a, b)); });
         return go;
     });
+}
+
+template<class Depth>
+UncollidedLight TileMedium::uncollided(const Vec3f& position, const Vec3f& towardsLight, Depth&& depth) const {
+    UncollidedLight light;
+    light.towards = towardsLight;
+    if (!(towardsLight.z > 0)) {
+        return light;
+    }
+    if (!refracts_ || hasSurface()) {
+        light.fraction = exp(-depth(position, towardsLight));
+        return light;
+    }
+    const FlatEntry in = enterFlat(position, towardsLight);
+    light.towards = in.towards;
+    if (!(in.cosT > 0)) {
+        return light;
+    }
+    const float entering = (1 - in.reflectance) * towardsLight.z / in.cosT;
+    const Rgb toTop = depth(position, light.towards);
+    light.fraction = exp(-toTop) * entering;
+    if (openBottom_) {
+        // The same at both faces, from inside. The columns below are taken to be like the one above.
+        const float f = in.reflectance;
+        const Rgb whole = depth({position.x, position.y, float(size_.z)}, light.towards);
+        for (int c = 0; c < 3; ++c) {
+            const float series = 1 / (1 - f * f * std::exp(-2 * whole[c]));
+            light.fraction[c] *= series;
+            light.reflected[c] = entering * series * f * std::exp(toTop[c] - 2 * whole[c]);
+        }
+    }
+    return light;
 }
 
 } // namespace stf

@@ -184,7 +184,10 @@ TEST(Lights, BothSpellingsAreReadAndTheLaterOneWins) {
         def DistantLight "Old" { float intensity = 2; float exposure = 1; }
         def DistantLight "New" { float inputs:intensity = 2; float inputs:exposure = 1; }
         def DistantLight "Both" { float intensity = 9; float inputs:intensity = 2; float inputs:exposure = 1; }
-        def SphereLight "Sphere" { float intensity = 2; })"));
+        def SphereLight "Sphere" { float intensity = 2; float radius = 3; float shaping:cone:angle = 40; }
+        def RectLight "Rect" { float inputs:intensity = 2; float inputs:width = 4; bool inputs:shadow:enable = 0; }
+        def CylinderLight "Cylinder" { float intensity = 2; float length = 5; bool normalize = 1; }
+        def DiskLight "Disk" { float intensity = 2; asset shaping:ies:file = @lamp.ies@; })"));
     host.execute();
     const auto& lights = host.delegate->GetScene().lights();
 #if HDSTF_LIGHT_PARAMS_ARE_ATTRIBUTES
@@ -192,8 +195,18 @@ TEST(Lights, BothSpellingsAreReadAndTheLaterOneWins) {
 #endif
     EXPECT_FLOAT_EQ(lights.at("/New").emission.x, 4);
     EXPECT_FLOAT_EQ(lights.at("/Both").emission.x, 4);
-    EXPECT_EQ(lights.count("/Sphere"), 0u);
-    EXPECT_NE(host.messages().find("sphereLight"), std::string::npos);
+    EXPECT_EQ(lights.at("/Sphere").type, stf::Light::Type::Sphere);
+#if HDSTF_LIGHT_PARAMS_ARE_ATTRIBUTES
+    EXPECT_FLOAT_EQ(lights.at("/Sphere").radius, 3);
+    EXPECT_FLOAT_EQ(lights.at("/Sphere").shaping.coneAngle, 40);
+    EXPECT_FLOAT_EQ(lights.at("/Cylinder").length, 5);
+    EXPECT_TRUE(lights.at("/Cylinder").normalize);
+    EXPECT_NE(lights.at("/Disk").shaping.iesFile.find("lamp.ies"), std::string::npos);
+#endif
+    EXPECT_EQ(lights.at("/Disk").shaping.coneAngle, 180); // nothing authored: no cone
+    EXPECT_FLOAT_EQ(lights.at("/Rect").width, 4);
+    EXPECT_FLOAT_EQ(lights.at("/Rect").height, 1);
+    EXPECT_FALSE(lights.at("/Rect").shadows);
 }
 
 } // namespace

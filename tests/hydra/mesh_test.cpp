@@ -91,6 +91,51 @@ TEST(Mesh, NormalsOnlyWithoutSubdivision) {
     EXPECT_TRUE(subdivided.mesh("/Square").mesh->normals.empty());
 }
 
+TEST(Mesh, RestPoseAndOrientationArrive) {
+    TestHost host(testScene(R"(
+        point3f[] primvars:stf:rest = [(0, 0, 0), (2, 0, 0), (2, 2, 0), (0, 2, 0)] (interpolation = "vertex")
+        vector3f[] primvars:stf:orientation = [(0, 1, 0), (0, 1, 0), (1, 0, 0), (0, 0, 0)] (
+            interpolation = "faceVarying"
+        ))"));
+    host.execute();
+    const auto mesh = host.mesh("/Square").mesh;
+    ASSERT_EQ(mesh->rest.size(), 4u);
+    EXPECT_EQ(mesh->rest[2], stf::Vec3f(2, 2, 0));
+    ASSERT_EQ(mesh->orientation.size(), 4u);
+    EXPECT_EQ(mesh->orientationInterpolation, stf::ControlMesh::Interpolation::FaceVarying);
+    EXPECT_EQ(mesh->orientation[0], stf::Vec3f(0, 1, 0));
+
+    // A deformer moves the points alone: the rest pose stays.
+    const UsdGeomMesh square(host.stage->GetPrimAtPath(SdfPath("/Square")));
+    square.GetPointsAttr().Set(VtVec3fArray{{0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}});
+    host.execute();
+    EXPECT_EQ(host.mesh("/Square").mesh->points[0], stf::Vec3f(0, 0, 1));
+    EXPECT_EQ(host.mesh("/Square").mesh->rest, mesh->rest);
+
+    const UsdAttribute rest = square.GetPrim().GetAttribute(TfToken("primvars:stf:rest"));
+    rest.Set(VtVec3fArray{{0, 0, 0}, {3, 0, 0}, {3, 3, 0}, {0, 3, 0}});
+    host.execute();
+    EXPECT_EQ(host.mesh("/Square").mesh->rest[2], stf::Vec3f(3, 3, 0));
+}
+
+TEST(Mesh, RestPoseWithoutInterpolationAndBadOnes) {
+    // Whoever forgets the interpolation gets a constant primvar: an array of as many points can mean one thing only.
+    TestHost host(testScene(R"(
+        point3f[] primvars:stf:rest = [(0, 0, 0), (2, 0, 0), (2, 2, 0), (0, 2, 0)]
+        vector3f[] primvars:stf:orientation = [(0, 1, 0), (0, 1, 0), (1, 0, 0), (0, 0, 0)])"));
+    host.execute();
+    EXPECT_EQ(host.mesh("/Square").mesh->rest.size(), 4u);
+    EXPECT_EQ(host.mesh("/Square").mesh->orientationInterpolation, stf::ControlMesh::Interpolation::Vertex);
+
+    TestHost wrong(testScene(R"(
+        string primvars:stf:rest = "no points" (interpolation = "constant")
+        point3f[] primvars:stf:orientation = [(0, 1, 0)] (interpolation = "vertex"))"));
+    ASSERT_TRUE(wrong.renderToEnd());
+    EXPECT_TRUE(wrong.mesh("/Square").mesh->rest.empty());
+    EXPECT_NE(wrong.messages().find("primvars:stf:rest has a type that cannot be used"), std::string::npos);
+    EXPECT_NE(wrong.messages().find("stf:orientation ignored (wrong count)"), std::string::npos) << wrong.messages();
+}
+
 TEST(Mesh, PropertiesOfTheSchemaArriveInheritedToo) {
     TestHost host(testScene("asset primvars:stf:baseVolume = @/no/such.vdb@ (interpolation = \"constant\")\n"
                             "float primvars:stf:thickness = 0.5 (interpolation = \"constant\")"));

@@ -11,7 +11,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import catmull_clark  # noqa: E402
 
 EXAMPLES = pathlib.Path(__file__).resolve().parents[2] / "usd_examples"
-NAMES = ["marble_slab", "wax_sphere", "hero"]
+NAMES = ["marble_slab", "wax_sphere", "hero", "bending_body"]
 
 
 @pytest.fixture(params=NAMES)
@@ -37,7 +37,7 @@ def shell_of(name):
         for attribute in (mesh.GetFaceVertexCountsAttr(), mesh.GetFaceVertexIndicesAttr(), mesh.GetPointsAttr())
     ]
     st = UsdGeom.PrimvarsAPI(mesh).GetPrimvar("st")
-    return stage, mesh, geometry, np.array(st.ComputeFlattened())
+    return stage, mesh, geometry, np.array(st.ComputeFlattened()) if st else None
 
 
 def test_stage_metadata(stage):
@@ -180,3 +180,23 @@ def test_committed_scene_is_what_its_script_writes(script, monkeypatch):
 
 if __name__ == "__main__":
     sys.exit(pytest.main([__file__, "-q", *sys.argv[1:]]))
+
+
+def test_bending_body_rests_in_its_first_frame_and_keeps_its_length():
+    stage, mesh, (_, _, points), _ = shell_of("bending_body")
+    rest = np.array(mesh.GetPrim().GetAttribute("primvars:stf:rest").Get())
+    first, last = int(stage.GetStartTimeCode()), int(stage.GetEndTimeCode())
+    assert last - first + 1 == 24
+    axis = np.argsort(rest[-2:, 1])  # the middles of base and tip
+    base, tip = (len(rest) - 2 + i for i in axis)
+    for frame in range(first, last + 1):
+        posed = np.array(mesh.GetPointsAttr().Get(frame))
+        low, high = mesh.GetExtentAttr().Get(frame)
+        assert np.allclose(low, posed.min(0), atol=1e-4) and np.allclose(high, posed.max(0), atol=1e-4)
+        if frame == first:
+            assert np.allclose(posed, rest) and np.allclose(points, rest)
+        # The chord of an arc that turns by twice the angle between chord and start has the rest's length.
+        chord = posed[tip] - posed[base]
+        half = np.arctan2(chord[0], chord[1])
+        length = np.linalg.norm(chord) * (half / np.sin(half) if abs(half) > 1e-6 else 1)
+        assert np.isclose(length, np.linalg.norm(rest[tip] - rest[base]), rtol=1e-3)

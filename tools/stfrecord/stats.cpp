@@ -48,6 +48,9 @@ Json frameJson(const FrameStats& frame, const Json& messages) {
         {"synthesis", number(stats, "stf:synthesisSeconds")}, {"shell", number(stats, "stf:shellSeconds")},
         {"core", number(stats, "stf:coreSeconds")},           {"firstPixel", number(stats, "stf:firstPixelSeconds")},
         {"render", number(stats, "stf:renderSeconds")},       {"total", frame.seconds}};
+    json["made"] = {{"syntheses", int(number(stats, "stf:syntheses"))},
+                    {"grids", int(number(stats, "stf:grids"))},
+                    {"poses", int(number(stats, "stf:poses"))}};
     json["memoryMB"] = {{"peak", number(stats, "peakMemory") / megabyte},
                         {"tables", number(stats, "stf:tableBytes") / megabyte},
                         {"shell", number(stats, "stf:shellBytes") / megabyte}};

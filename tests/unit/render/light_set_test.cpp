@@ -26,7 +26,7 @@ Irradiance irradiance(const LightSet& lights, const Vec3f& normal, int n) {
     double sum = 0, squares = 0;
     for (int i = 0; i < n; ++i) {
         const float u = rng.uniform(), v = rng.uniform();
-        const LightSample s = lights.sample(0, normal, {u, v});
+        const LightSample s = lights.sample(0, {0, 0, 0}, normal, {u, v});
         const double e = double(s.irradiance.y) * double(std::max(0.0f, dot(normal, s.towards)));
         sum += e;
         squares += e * e;

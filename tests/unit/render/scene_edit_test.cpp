@@ -293,6 +293,32 @@ TEST_F(SceneEdits, TablesLiveAsLongAsTheirShells) {
     EXPECT_TRUE(made_[1].expired());
 }
 
+// Instances of a mesh, and meshes that are alike, hold one grid between them.
+TEST_F(SceneEdits, InstancesAndTwinsShareOneShell) {
+    Renderer renderer(countingTables());
+    render(renderer);
+    const std::size_t bytes = renderer.stats().shellBytes;
+    EXPECT_GT(bytes, 0u);
+    MeshInstance second;
+    second.objectToWorld.translation = {0, 0, -3};
+    second.instanceId = 1;
+    scene_.setInstances("/shell", {MeshInstance(), second});
+    ControlMesh twin = *scene_.meshes().at("/shell").mesh;
+    twin.colors = {{0, 0, 1}};
+    scene_.setMesh("/plain", twin, 0);
+    scene_.setStf("/plain", scene_.meshes().at("/shell").stf);
+    render(renderer);
+    EXPECT_EQ(renderer.stats().grids, 1);
+    EXPECT_EQ(renderer.stats().shellBytes, bytes);
+    EXPECT_EQ(tables_, 1);
+    light_.emission = Rgb(1.0f);
+    scene_.setLight("/light", light_);
+    cameraAt_.x = 1;
+    render(renderer);
+    EXPECT_EQ(renderer.stats().grids, 1);
+    EXPECT_EQ(renderer.stats().refinements, 1);
+}
+
 // A part of a table that cannot be read is said with the prim, before the frame.
 TEST_F(SceneEdits, DamagedTable) {
     Renderer renderer([](const std::shared_ptr<const BaseVolume>& volume, const TransportOptions& options,

@@ -137,6 +137,52 @@ TEST(Synthesize, FollowsAnAuthoredTangentField) {
     }
 }
 
+// An authored field from the control mesh to the exemplar's coordinates: around the axis of a ball, nothing at its
+// poles.
+TEST(Synthesize, FollowsAnAuthoredFieldOnACurvedSurface) {
+    ControlMesh ball = sphere(10, 12);
+    for (const Vec3f& p : ball.points) {
+        ball.orientation.push_back(std::abs(p.z) < 9 ? Vec3f(-p.y, p.x, 0) : Vec3f());
+    }
+    const RefinedSurface surface = sampleSurface(refinedOf(ball), 0.5, 1, 1000000, {});
+    SynthesisOptions options;
+    options.orientation = surface.orientation;
+    Progress progress;
+    const Synthesis s = synthesize(surface, waves(32), 1, options, progress);
+    const auto degrees = [](const Vec3d& a, const Vec3d& b) {
+        return std::acos(std::clamp(dot(normalize(a), normalize(b)), -1.0, 1.0)) * 180 / pi;
+    };
+    std::vector<double> field, axis;
+    for (std::size_t v = 0; v < s.graph.size(); ++v) {
+        const Vec3d p(s.graph.points[v]);
+        if (std::abs(p.z) < 8) {
+            field.push_back(degrees(Vec3d(s.directions[v]), {-p.y, p.x, 0}));
+        }
+    }
+    const ExemplarMap map = exemplarMap(s);
+    for (std::size_t i = 0; i < map.gradientX.size(); ++i) {
+        const Vec3d p(surface.points[std::size_t(surface.triangles[i / 3][int(i % 3)])]);
+        if (std::abs(p.z) < 8) {
+            axis.push_back(degrees(Vec3d(map.gradientX[i]), {-p.y, p.x, 0}));
+        }
+    }
+    std::sort(field.begin(), field.end());
+    std::sort(axis.begin(), axis.end());
+    RecordProperty("field_largest", std::to_string(field.back()));
+    RecordProperty("axis_median", std::to_string(axis[axis.size() / 2]));
+    RecordProperty("axis_95", std::to_string(axis[axis.size() * 95 / 100]));
+    EXPECT_LT(field.back(), 4);
+    EXPECT_LT(axis[axis.size() / 2], 6);
+    EXPECT_LT(axis[axis.size() * 95 / 100], 25);
+    // Without a wish at the poles the field still turns around them: index 1 each.
+    int sum = 0;
+    for (const Singularity& q : s.singularities) {
+        sum += q.index;
+        EXPECT_GT(std::abs(s.graph.points[std::size_t(s.graph.triangles[std::size_t(q.triangle)].x)].z), 8);
+    }
+    EXPECT_EQ(sum, 2);
+}
+
 TEST(Synthesize, StopsWhenCancelled) {
     Progress progress;
     progress.cancel();

@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stfLib/render/shell_material.h"
+
+#include "stfLib/optics/property_table.h"
+#include "stfLib/transport/precompute.h"
+#include "stfLib/volume/volume_io.h"
+#include "stfLib/volume/volume_statistics.h"
+
+#include <filesystem>
+#include <sstream>
+
+namespace stf {
+
+namespace {
+
+// Mean diffusion length of the filled voxels, mm: the distance over which multiple scattering blurs shadows.
+double blurLengthMm(const BaseVolume& v) {
+    const MeanCoefficients mean = meanCoefficients(v);
+    const double sigmaA = average(mean.sigmaA), sigmaS = average(mean.sigmaSPrime);
+    if (!(sigmaS > 0)) {
+        return 0;
+    }
+    return sigmaA > 0 ? 1 / std::sqrt(3 * sigmaA * (sigmaA + sigmaS)) : 1e9;
+}
+
+// The core of the base volume, unless the binding names a material or coefficients; the latter win.
+CoreMaterial coreOf(const StfBinding& binding, const BaseVolume& volume, std::string& why,
+                    const MessageSink& messages) {
+    CoreMaterial core;
+    if (binding.coreModel == "none") {
+        why = "coreModel is none";
+        return core;
+    }
+    core.sigmaA = volume.coreSigmaA;
+    core.sigmaSPrime = volume.coreSigmaSPrime;
+    if (!binding.coreMaterial.empty()) {
+        try {
+            const Material material = PropertyTable::builtIn().find(binding.coreMaterial);
+            core.sigmaA = material.sigmaA;
+            core.sigmaSPrime = material.sigmaSPrime();
+        } catch (const Error& e) {
+            report(messages, Severity::Error,
+                   std::string("stf:coreMaterial: ") + e.what() + "; the core of the base volume is used");
+        }
+    }
+    if (binding.coreSigmaA) {
+        core.sigmaA = Vec3d(*binding.coreSigmaA);
+    }
+    if (binding.coreSigmaSPrime) {
+        core.sigmaSPrime = Vec3d(*binding.coreSigmaSPrime);
+    }
+    if (!isFinite(core.sigmaA) || !isFinite(core.sigmaSPrime) || minComponent(core.sigmaA) < 0 ||
+        minComponent(core.sigmaSPrime) < 0) {
+        throw Error("core coefficients must be finite and not negative");
+    }
+    why = core.scatters() ? "dipole" : "the core does not scatter";
+    return core;
+}
+
+// The form that a binding, or else the render setting asks for.
+TransportForm formOf(const StfBinding& binding, const RenderSettings& settings, const MessageSink& messages) {
+    try {
+        return parseTransportForm(binding.transport.empty() ? settings.transport : binding.transport);
+    } catch (const Error& e) {
+        const TransportForm form = TransportOptions().form;
+        report(messages, Severity::Error, std::string("stf:transport: ") + e.what() + "; " + name(form) + " is used");
+        return form;
+    }
+}
+
+// Reads now what rendering will ask for: a damaged file is reported with its prim, not met in the middle of a frame.
+void readParts(const StfTable& table, const TileMedium& medium, bool coreBlack) {
+    if (medium.scatters()) {
+        table.multiple.get();
+        table.single.get();
+        if (medium.emits()) {
+            table.emitted.get();
+        }
+    }
+    if (!coreBlack) {
+        table.transmitted.get();
+        table.direct.get();
+        if (medium.scatters()) {
+            table.backlight.get();
+        }
+    }
+}
+
+std::string describe(const StfTable& table, const TileMedium& medium) {
+    std::ostringstream s;
+    s << name(table.form);
+    if (!medium.scatters()) {
+        s << ", nothing scatters";
+        return s.str();
+    }
+    s.precision(2);
+    s << ", " << table.directions.count() << " directions, rank " << table.multiple->rank << ", error "
+      << 100 * table.error.total() << " %";
+    return s.str();
+}
+
+} // namespace
+
+std::shared_ptr<const BaseVolume> ShellMaterials::volume(const std::string& path) {
+    namespace fs = std::filesystem;
+    std::error_code error;
+    const auto modified = fs::last_write_time(path, error).time_since_epoch().count();
+    const auto size = fs::file_size(path, error);
+    CachedVolume& c = volumes_[path];
+    if (!c.volume || c.modified != modified || c.size != size) {
+        c.volume = std::make_shared<const BaseVolume>(readBaseVolume(path, messages_));
+        c.modified = modified;
+        c.size = size;
+    }
+    return c.volume;
+}
+
+std::string ShellMaterials::contentHash(const std::shared_ptr<const BaseVolume>& volume) {
+    std::string& hash = hashes_[volume];
+    if (hash.empty()) {
+        hash = volume->contentHash();
+    }
+    return hash;
+}
+
+void ShellMaterials::dropUnused() {
+    crops_.dropUnused();
+    for (auto it = volumes_.begin(); it != volumes_.end();) {
+        it = it->second.volume.use_count() <= 1 ? volumes_.erase(it) : std::next(it);
+    }
+    for (auto it = transports_.begin(); it != transports_.end();) {
+        const Transport& t = it->second;
+        it = t.table.use_count() <= 1 && t.medium.use_count() <= 1 ? transports_.erase(it) : std::next(it);
+    }
+    for (auto it = hashes_.begin(); it != hashes_.end();) {
+        it = it->first.expired() ? hashes_.erase(it) : std::next(it);
+    }
+}
+
+// The shell is a whole number of layers deep: transport must see the medium that the march sees, and no more.
+void ShellMaterials::crop(const StfBinding& binding, const ShellStage& stage, ShellObject& o) {
+    const double depthMm = o.source->extentMm().z;
+    const double wantedMm = binding.thickness > 0 ? double(binding.thickness) * double(o.mmPerUnit) : depthMm;
+    if (wantedMm > depthMm * 1.0001) {
+        std::ostringstream s;
+        s << "stf:thickness is " << wantedMm << " mm, the sample is " << depthMm
+          << " mm deep; the shell is as deep as the sample";
+        report(stage.messages, Severity::Warning, s.str());
+    }
+    const int layers =
+        std::clamp(int(std::lround(std::min(wantedMm, depthMm) / o.source->voxelMm.z)), 1, o.source->size.z);
+    o.volume = o.source;
+    if (layers < o.source->size.z) {
+        const std::string key = contentHash(o.source) + ";" + std::to_string(layers);
+        o.volume = crops_.find(key);
+        if (!o.volume) {
+            o.volume = crops_.keep(key, cropDepth(*o.source, layers));
+        }
+    }
+    o.thicknessMm = float(o.volume->extentMm().z);
+}
+
+void ShellMaterials::addTransport(const StfBinding& binding, const ShellStage& stage, ShellObject& o) {
+    const float quality = binding.quality > 0 ? binding.quality : stage.settings.quality;
+    if (!(quality > 0) || !std::isfinite(quality)) {
+        throw Error("stf:quality must be positive and finite");
+    }
+    const StageTimer timer;
+    TransportOptions options;
+    options.quality = quality;
+    options.form = formOf(binding, stage.settings, stage.messages);
+    const std::string key = contentHash(o.volume) + ";" + options.key();
+    const auto met = transports_.find(key);
+    const bool kept = met != transports_.end();
+    Transport transport;
+    if (kept) {
+        transport = met->second;
+    } else {
+        transport.medium = std::make_shared<const TileMedium>(*o.volume, options.form);
+        transport.table = tables_(o.volume, options, stage.progress, stage.messages);
+    }
+    try {
+        readParts(*transport.table, *transport.medium, o.coreBlack);
+    } catch (const Error& e) {
+        transports_.erase(key); // it is made again with the next edit
+        throw Error(std::string("transport table: ") + e.what());
+    }
+    transports_[key] = transport;
+    o.table = transport.table;
+    o.medium = transport.medium;
+    stage.stats.precomputeSeconds += timer.seconds();
+    const bool read = !kept && o.table->fileBytes > 0;
+    stage.note("transport", !kept && !read && o.medium->scatters(),
+               describe(*o.table, *o.medium) + (kept   ? "; already in memory"
+                                                : read ? "; kept from an earlier run"
+                                                       : ""),
+               timer.seconds());
+    if (!o.medium->refracts()) {
+        stage.note("fresnel", false, "index 1", 0);
+    } else if (!o.medium->hasSurface()) {
+        stage.note("fresnel", true, "flat top", 0);
+    } else {
+        const char* const straight =
+            "camera rays enter the relief straight on, with the Fresnel factors of the limit surface";
+        stage.note("fresnel", true, straight, 0);
+        report(stage.messages, Severity::Warning,
+               std::string("this version does not refract at the relief: ") + straight);
+    }
+}
+
+void ShellMaterials::prepare(const StfBinding& binding, double metersPerUnit, const ShellStage& stage, ShellObject& o) {
+    const std::string asset = binding.authoredPath.empty() ? binding.baseVolume : binding.authoredPath;
+    if (binding.baseVolume.empty()) {
+        throw Error("base volume '" + asset + "' was not found");
+    }
+    if (!(binding.scale > 0) || !std::isfinite(binding.scale)) {
+        throw Error("stf:scale must be positive and finite");
+    }
+    if (!(binding.thickness >= 0) || !std::isfinite(binding.thickness)) {
+        throw Error("stf:thickness must be finite and not negative");
+    }
+    const StageTimer timer;
+    o.source = volume(binding.baseVolume);
+    stage.stats.loadSeconds += timer.seconds();
+    stage.note("load", true, asset, timer.seconds());
+
+    o.mmPerUnit = float(metersPerUnit * 1000.0 / double(binding.scale));
+    crop(binding, stage, o);
+    std::string coreWhy;
+    o.core = coreOf(binding, *o.volume, coreWhy, stage.messages);
+    o.coreBlack = !o.core.scatters();
+    addTransport(binding, stage, o);
+    stage.note("core", !o.coreBlack, coreWhy, 0);
+    o.blurRadiusMm = float(std::min(blurLengthMm(*o.volume), double(o.thicknessMm)));
+}
+
+} // namespace stf
