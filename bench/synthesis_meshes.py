@@ -15,6 +15,7 @@ import json
 import os
 import pathlib
 import resource
+import signal
 import subprocess
 import sys
 import time
@@ -70,15 +71,21 @@ def run(stf, mesh, volume, arguments, scratch):
     report = scratch / f"{mesh.name}.{volume.stem}.json"
     report.unlink(missing_ok=True)
     limit = int(arguments.gigabytes * 2**30)
+
+    def limits():
+        resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
+        # Of the processor, so that a busy machine does not count; what sleeps is stopped by the clock.
+        resource.setrlimit(resource.RLIMIT_CPU, (int(arguments.seconds), int(arguments.seconds) + 5))
+
     command = [stf, "synthesize", mesh, volume, "--samples", str(arguments.samples), "--report", report, "--json",
                "--threads", str(arguments.threads)]
     started = time.monotonic()
     child = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
-                             preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (limit, limit)))
+                             preexec_fn=limits)
     row = {"mesh": mesh.name, "volume": volume.stem}
     try:
         # Messages are few: the pipe holds them all.
-        deadline = started + arguments.seconds
+        deadline = started + 20 * arguments.seconds
         while True:
             pid, status, usage = os.wait4(child.pid, os.WNOHANG)
             if pid:
@@ -99,7 +106,9 @@ def run(stf, mesh, volume, arguments, scratch):
     lines = [line.replace(str(mesh), mesh.name) for line in text.strip().splitlines()]
     row["messages"] = lines
     if "outcome" not in row:
-        if os.WIFSIGNALED(status):
+        if os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGXCPU:
+            row["outcome"] = "too long"
+        elif os.WIFSIGNALED(status):
             row["outcome"] = f"killed by signal {os.WTERMSIG(status)}"
         elif os.WEXITSTATUS(status) == 0 and report.exists():
             row["outcome"] = "done"
@@ -119,7 +128,7 @@ def main():
     parser.add_argument("--build", type=pathlib.Path, default=pathlib.Path("build"))
     parser.add_argument("--volume", nargs="+", default=["marble", "wax"], help="names that `stf make` knows")
     parser.add_argument("--samples", type=int, default=60000)
-    parser.add_argument("--seconds", type=float, default=120, help="limit of a run")
+    parser.add_argument("--seconds", type=float, default=120, help="of the processor, limit of a run")
     parser.add_argument("--gigabytes", type=float, default=6, help="limit of a run, of addresses")
     parser.add_argument("--only", default="*", help="file names to try, as in a shell")
     parser.add_argument("--jobs", type=int, default=1)

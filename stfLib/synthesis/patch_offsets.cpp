@@ -310,17 +310,28 @@ private:
         return out;
     }
 
-    float mismatch(const std::vector<Constraint>& constraints, const Vec2f& offset,
-                   const AppearanceImage& image) const {
+    /// What the constraints ask for, in an image: the same for every candidate.
+    std::vector<AppearanceImage::Value> wantedIn(const AppearanceImage& image,
+                                                 const std::vector<Constraint>& constraints) const {
+        std::vector<AppearanceImage::Value> wanted;
+        for (const Constraint& k : constraints) {
+            wanted.push_back(
+                image.sample(k.wanted.x * (1 / float(ex_.texelMm.x)), k.wanted.y * (1 / float(ex_.texelMm.y))));
+        }
+        return wanted;
+    }
+
+    float mismatch(const std::vector<Constraint>& constraints, const std::vector<AppearanceImage::Value>& wanted,
+                   const Vec2f& offset, const AppearanceImage& image) const {
         if (constraints.empty()) {
             return 0;
         }
         const float px = 1 / float(ex_.texelMm.x), py = 1 / float(ex_.texelMm.y);
         float sum = 0, weight = 0;
-        for (const Constraint& k : constraints) {
+        for (std::size_t i = 0; i < constraints.size(); ++i) {
+            const Constraint& k = constraints[i];
             const Vec2f a = k.own + offset;
-            const float d =
-                squaredDistance(image.sample(a.x * px, a.y * py), image.sample(k.wanted.x * px, k.wanted.y * py));
+            const float d = squaredDistance(image.sample(a.x * px, a.y * py), wanted[i]);
             sum += k.weight * std::min(d, kCap * kCap * own2_);
             weight += k.weight;
         }
@@ -464,13 +475,15 @@ private:
         const std::vector<Constraint> few = thinned(all, kCoarseSamples), many = thinned(all, kFineSamples);
         const std::vector<float> shownNearby = repetitionMap(c);
         const AppearanceImage& coarse = ex_.stack[std::min<std::size_t>(1, ex_.stack.size() - 1)];
+        const std::vector<AppearanceImage::Value> wantedByFew = wantedIn(coarse, few),
+                                                  wantedByMany = wantedIn(ex_.stack[0], many);
         std::vector<float> other(list.size());
         parallelFor(list.size(), 16, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
                 other[i] = variety_ * (float(options_.usage) * overuse(c, list[i].offset) +
                                        float(options_.repetition) * repeated(shownNearby, list[i].offset)) +
                            float(options_.balance) * imbalance(c, list[i].offset);
-                list[i].cost = mismatch(few, list[i].offset, coarse) + other[i];
+                list[i].cost = mismatch(few, wantedByFew, list[i].offset, coarse) + other[i];
             }
         });
         std::vector<std::size_t> best(list.size());
@@ -485,7 +498,7 @@ private:
         parallelFor(finalists, 2, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
                 Candidate& k = list[best[i]];
-                k.cost = mismatch(many, k.offset, ex_.stack[0]) + other[best[i]];
+                k.cost = mismatch(many, wantedByMany, k.offset, ex_.stack[0]) + other[best[i]];
             }
         });
         std::size_t winner = best[0];
