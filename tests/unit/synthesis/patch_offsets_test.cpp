@@ -9,11 +9,11 @@ using namespace stf;
 using namespace stf::test;
 
 TEST(PatchOffsets, KeepReflectanceInBalanceOnASurfaceOfFewPatches) {
-    // A torus of about a tile's area, in a sample of so little contrast that seams leave the choice: what each of a few
-    // patches shows weighs.
+    // A torus of about a tile's area, in a sample that is dark on one side of the tile and bright on the other: what each
+    // of a few patches shows weighs.
     BaseVolume v = waves(48);
-    for (Rgb& a : v.albedo) {
-        a = Rgb(0.97f) + (a - Rgb(0.97f)) * 0.25f;
+    for (std::size_t i = 0; i < v.albedo.size(); ++i) {
+        v.albedo[i] = Rgb(float(1 - 0.02 * std::exp(1.2 * std::cos(2 * pi * double(i % 48) / 48))));
     }
     const Synthesis s = synthesized(sampleSurface(refinedOf(torus(6, 2.5, 64, 32)), 0.5, 1, 1000000, {}), v);
     double mean = 0;
