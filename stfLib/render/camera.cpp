@@ -84,6 +84,19 @@ Ray Camera::ray(double x, double y, const Vec3d& origin) const {
     return r;
 }
 
+RayCone Camera::cone(double x, double y, double pixelWidth, double pixelHeight) const {
+    // From the plane that starts rays, so that a camera far from the origin keeps its digits.
+    const Vec3d start = project(ndcToWorld_, {x, y, -1});
+    const Ray here = ray(x, y, start);
+    RayCone out;
+    for (const Vec2d& step : {Vec2d{pixelWidth, 0}, Vec2d{0, pixelHeight}}) {
+        const Ray there = ray(x + step.x, y + step.y, start);
+        out.width = std::max(out.width, length(there.origin - here.origin));
+        out.spread = std::max(out.spread, length(there.direction - here.direction));
+    }
+    return out;
+}
+
 double Camera::ndcDepth(const Vec3d& world) const {
     return project(projection_, project(worldToView_, world)).z;
 }

@@ -104,7 +104,7 @@ ShellMarch& Integrator::marchOf(const PreparedInstance& instance) {
 }
 
 ShellRadiance Integrator::shadeShell(const PreparedInstance& instance, const Surfel& surfel, const Vec3f& direction,
-                                     PixelSampler& sampler) {
+                                     float footprintMm, PixelSampler& sampler) {
     const ShellObject& shell = *instance.mesh->shell;
     const Vec3f objectNormal = normalize(Vec3f(instance.worldToObject.normal(Vec3d(surfel.normal))));
     const float offset = 1e-3f * shell.grid->voxelSize();
@@ -141,7 +141,7 @@ ShellRadiance Integrator::shadeShell(const PreparedInstance& instance, const Sur
     }
 
     ++rays_;
-    return marchOf(instance).march(surfel.objectPoint, surfel.triangle, direction, lights, count, sampler);
+    return marchOf(instance).march(surfel.objectPoint, surfel.triangle, direction, footprintMm, lights, count, sampler);
 }
 
 Ray Integrator::leaveShell(const PreparedInstance& instance, const Surfel& entry, const Vec3f& direction,
@@ -160,8 +160,9 @@ Ray Integrator::leaveShell(const PreparedInstance& instance, const Surfel& entry
     return ray;
 }
 
-PixelSample Integrator::sample(Ray ray, PixelSampler& sampler) {
+PixelSample Integrator::sample(Ray ray, const RayCone& cone, PixelSampler& sampler) {
     PixelSample out;
+    float travelled = 0; // before the ray's origin
     Rgb throughput(1.0f);
     bool mirrored = false; // the path has been reflected: the rest of it is what is seen in a shell's surface
     for (int surface = 0; surface < kMaxSurfaces; ++surface) {
@@ -230,8 +231,10 @@ PixelSample Integrator::sample(Ray ray, PixelSampler& sampler) {
         }
         Rgb through(0.0f);
         Ray onward = ray;
+        float moved = 0; // from the ray's origin to that of the next
         if (maxComponent(inner) > 0) {
-            const ShellRadiance r = shadeShell(instance, surfel, direction, sampler);
+            const float footprint = cone.at(travelled + hit.t) * scale * shell->mmPerUnit;
+            const ShellRadiance r = shadeShell(instance, surfel, direction, footprint, sampler);
             const Rgb single = inner * r.single, multiple = inner * r.multiple, core = inner * r.core;
             out.color += single + multiple + core;
             if (mirrored) {
@@ -246,6 +249,7 @@ PixelSample Integrator::sample(Ray ray, PixelSampler& sampler) {
             if (bends && r.throughSurface && dot(direction, r.exit.geometricNormal) > 0 && maxComponent(through) > 0) {
                 float share = 1;
                 onward = leaveShell(instance, surfel, direction, r, share);
+                moved = hit.t + r.tExit / scale;
                 through *= share;
             }
         }
@@ -262,12 +266,14 @@ PixelSample Integrator::sample(Ray ray, PixelSampler& sampler) {
         throughput = mirror ? reflected * ((a + b) / b) : through * (a > 0 && b > 0 ? (a + b) / a : 1.0f);
         if (mirror) {
             mirrored = true;
+            moved = hit.t;
             onward = Ray();
             onward.direction = normalize(Vec3f(instance.objectToWorld.vector(Vec3d(in.reflected))));
             onward.origin =
                 Vec3f(instance.objectToWorld.point(Vec3d(surfel.shadowOrigin))) + surfel.normal * scene_.shadowOffset;
         }
         ray = onward;
+        travelled += moved;
     }
     return out;
 }

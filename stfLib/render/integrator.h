@@ -16,7 +16,8 @@ class Integrator {
 public:
     explicit Integrator(const PreparedScene& scene) : scene_(scene), marches_(scene.instances.size()) {}
 
-    PixelSample sample(Ray ray, PixelSampler& sampler);
+    /// `cone`: of the pixel, so that shells are read no finer than it sees.
+    PixelSample sample(Ray ray, const RayCone& cone, PixelSampler& sampler);
     /// The first surface along a ray, for the AOVs that are not averaged.
     PixelHit firstHit(const Ray& ray, const Camera& camera);
     std::uint64_t rays() const { return rays_; }
@@ -32,9 +33,9 @@ private:
     Surfel surfelAt(const PreparedInstance& instance, const Ray& ray, const RayHit& hit) const;
     Rgb shadePlain(const PreparedInstance& instance, const Surfel& surfel, const Vec3f& direction,
                    PixelSampler& sampler);
-    /// `direction`: unit, object space, inside the shell.
+    /// `direction`: unit, object space, inside the shell; `footprintMm`: width of what the pixel sees there.
     ShellRadiance shadeShell(const PreparedInstance& instance, const Surfel& surfel, const Vec3f& direction,
-                             PixelSampler& sampler);
+                             float footprintMm, PixelSampler& sampler);
     /// The ray that leaves a refracting shell at the far side, and the share of light that comes in there.
     Ray leaveShell(const PreparedInstance& instance, const Surfel& entry, const Vec3f& direction,
                    const ShellRadiance& through, float& share);

@@ -342,7 +342,9 @@ bool Renderer::renderPass(Progress& progress) {
                                          pass);
                     const Vec2f u = sampler.next2d();
                     const Ray ray = ndc(x + 0.5 + double(tent(u.x)), y + 0.5 + double(tent(u.y)));
-                    s.film.add(x, y, integrator.sample(ray, sampler));
+                    const RayCone cone =
+                        s.camera.cone(2 * (x + 0.5) / width - 1, 2 * (y + 0.5) / height - 1, 2.0 / width, 2.0 / height);
+                    s.film.add(x, y, integrator.sample(ray, cone, sampler));
                 }
             }
             rays += integrator.rays();

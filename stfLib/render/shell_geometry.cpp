@@ -6,7 +6,7 @@
 namespace stf {
 
 namespace {
-constexpr double kSeamVoxel = 1.5; ///< voxels of the shell grid, in texels, where there are seams
+constexpr double kSeamTexels = 0.3; ///< wanted mean displacement of seams by the shell grid
 }
 
 std::shared_ptr<const ShellGeometries::Gridded>
@@ -17,12 +17,12 @@ ShellGeometries::makeGrid(const MappedSurface& mapped, const ShellObject& o, con
     auto boundary = std::make_shared<const ShellBoundary>(offsetInward(*mapped.surface, thickness, stage.messages));
     ShellGridOptions options;
     options.mmPerUnit = double(o.mmPerUnit);
-    // Lookups are exact to second order: a quarter of the thickness resolves any bend that the shell itself survives.
-    options.voxelSize = 0.25f * thickness;
+    options.texelMm = std::min(o.volume->voxelMm.x, o.volume->voxelMm.y);
     if (mapped.choice->mapping == Mapping::Synthesize) {
         // Seams run where they are least seen, to a texel: the grid must not move them by more.
-        const double texel = std::min(o.volume->voxelMm.x, o.volume->voxelMm.y);
-        options.voxelSize = std::min(options.voxelSize, float(kSeamVoxel * texel / double(o.mmPerUnit)));
+        options.seamTexels = kSeamTexels;
+    } else if (mapped.choice->mapping == Mapping::Anywhere) {
+        options.voxelSize = 0.25f * thickness; // coordinates do not matter, only the depth
     }
     made->grid = std::make_shared<const ShellGrid>(
         ShellGrid::build(*mapped.surface, *boundary, *mapped.map, options, stage.progress, stage.messages));
@@ -76,7 +76,10 @@ void ShellGeometries::prepare(const MappedSurface& mapped, const ShellStage& sta
     o.rayMesh = seen->rayMesh;
     o.stages = {mapped.choice, mapped.surface, gridded, seen};
     stage.stats.shellSeconds += timer.seconds();
-    stage.noteKept("shell", kept, std::to_string(o.grid->sampleCount()) + " samples", timer.seconds());
+    stage.noteKept("shell", kept,
+                   std::to_string(o.grid->sampleCount()) + " samples in " + std::to_string(o.grid->levelCount()) +
+                       " levels",
+                   timer.seconds());
 }
 
 void ShellGeometries::dropUnused() {

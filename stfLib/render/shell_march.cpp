@@ -48,12 +48,13 @@ float ShellMarch::iorAt(const Vec3f& point, std::uint32_t triangle) {
     return medium.ior(p);
 }
 
-ShellRadiance ShellMarch::march(const Vec3f& entry, std::uint32_t triangle, const Vec3f& direction,
+ShellRadiance ShellMarch::march(const Vec3f& entry, std::uint32_t triangle, const Vec3f& direction, float footprintMm,
                                 const ShellLight* lights, int lightCount, PixelSampler& sampler) {
     const ShellObject& o = object_;
     const Vec3d& voxelMm = o.medium->voxelMm();
     const Vec3f perMm{float(1 / voxelMm.x), float(1 / voxelMm.y), float(1 / voxelMm.z)};
-    const float step = o.grid->voxelSize();
+    const int level = o.grid->levelFor(footprintMm);
+    const float step = o.grid->voxelSize(level);
     lightCount = std::min(lightCount, kMaxLights);
     MarchLight tileLights[kMaxLights];
     for (int l = 0; l < lightCount; ++l) {
@@ -68,7 +69,7 @@ ShellRadiance ShellMarch::march(const Vec3f& entry, std::uint32_t triangle, cons
     Ray ray;
     ray.origin = entry;
     ray.direction = direction;
-    ray.tNear = 1e-3f * step;
+    ray.tNear = 1e-3f * o.grid->voxelSize();
     const bool bounded = o.rayMesh->intersect(ray, result.exit, 3);
     const float tEnd = bounded ? result.exit.t : 4 * o.thicknessMm / o.mmPerUnit; // an open surface has no other side
     result.tExit = tEnd;
@@ -84,7 +85,7 @@ ShellRadiance ShellMarch::march(const Vec3f& entry, std::uint32_t triangle, cons
         const float t1 = std::min(t0 + step, tEnd), middle = 0.5f * (t0 + t1);
         const Vec3f point = entry + direction * middle;
         ShellLookup found;
-        if (probe_.lookup(point, found, core_)) {
+        if (probe_.lookup(point, found, core_, level)) {
             at = found;
             if (!known && t0 == 0) {
                 const float found0 = at.depth + dot(at.normal, direction) * o.mmPerUnit * middle;
@@ -99,6 +100,9 @@ ShellRadiance ShellMarch::march(const Vec3f& entry, std::uint32_t triangle, cons
             // Carry the last lookup on: first order is good over about one voxel.
             at.exemplar = at.exemplar + Vec2f(dot(at.gradX, direction), dot(at.gradY, direction)) * step;
             at.depth -= dot(at.normal, direction) * o.mmPerUnit * step;
+        }
+        if (t1 < tEnd) { // its memory is there when this step is done
+            probe_.prefetch(point + direction * step, level);
         }
         const TileFrame frame(at);
         for (int l = 0; l < lightCount; ++l) {

@@ -161,11 +161,11 @@ void PosedShell::carry(const Place& place, ShellLookup& lookup) const {
     lookup.normal = Vec3f(normalize(normal));
 }
 
-bool ShellProbe::lookup(const Vec3f& point, ShellLookup& out, const Rgb* core) {
+bool ShellProbe::lookup(const Vec3f& point, ShellLookup& out, const Rgb* core, int level) {
     if (!pose_) {
-        return accessor_.lookup(point, out, core);
+        return accessor_.lookup(point, out, core, level);
     }
-    if (!pose_->locate(point, place_) || !accessor_.lookup(pose_->atRest(place_), out, core)) {
+    if (!pose_->locate(point, place_) || !accessor_.lookup(pose_->atRest(place_), out, core, level)) {
         return false;
     }
     pose_->carry(place_, out);

@@ -56,7 +56,13 @@ public:
     /// The points asked for next begin near that triangle of the surface.
     void enter(std::uint32_t triangle) { place_ = {triangle}; }
     /// See ShellGrid::Accessor::lookup.
-    bool lookup(const Vec3f& objectPoint, ShellLookup& out, const Rgb* core = nullptr);
+    bool lookup(const Vec3f& objectPoint, ShellLookup& out, const Rgb* core = nullptr, int level = 0);
+    /// Asks for the memory of a lookup that comes soon; nothing in a pose, where it is not known yet where.
+    void prefetch(const Vec3f& objectPoint, int level) {
+        if (!pose_) {
+            accessor_.prefetch(objectPoint, level);
+        }
+    }
 
 private:
     ShellGrid::Accessor accessor_;

@@ -1,45 +1,61 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to the shell layer.
-
-#include "stfLib/base/openvdb_headers.h"
+// Private to the shell layer, its tests and benchmarks.
 
 #include "stfLib/shell/shell_grid.h"
+#include "stfLib/shell/shell_level.h"
 
-#include <cstdint>
 #include <vector>
 
 namespace stf {
 
-/// What a lookup reads, and where on the surface it comes from.
-struct alignas(64) ShellSample {
-    Vec2f exemplar;
-    float depth;
-    Vec3f gradX, gradY, normal;
-    std::uint32_t triangle;
-    std::uint16_t b1, b2; ///< barycentric, in 1/65535; only what is given per point of the surface needs them
-};
-static_assert(sizeof(ShellSample) == 64, "a lookup reads eight of these: one cache line each");
-
 /// All of a built grid.
 struct ShellGridData {
-    openvdb::Int32Tree tree{-1}; ///< voxel -> number of its sample; -1: none
-    std::vector<ShellSample> samples;
+    std::vector<ShellLevel> levels; ///< finest first
+    std::vector<ShellLevelReport> reports;
+    ShellGridReport report;
     std::vector<Vec3i> triangles; ///< points of the surface's triangles
     std::size_t points = 0;       ///< of the surface
-    Vec3d origin;                 ///< position of voxel (0, 0, 0)'s centre, object space
-    double voxel = 0;
     double mmPerUnit = 1;
-    Vec2d tileMm;
+    Vec2d tileMm{1, 1};
+    double texelMm = 1; ///< what errors of the reports are measured in
 
-    Vec3d centre(int x, int y, int z) const { return origin + Vec3d(x, y, z) * voxel; }
+    std::size_t sampleCount() const;
 };
 
 struct ShellGrid::Impl : ShellGridData {};
 
-/// Fills tree and samples of a grid whose other members are set. Deterministic for any number of threads.
-void scanShell(const RefinedSurface& surface, const ShellBoundary& boundary, const ExemplarMap& map,
-               ShellGridData& grid, Progress& progress, const MessageSink& messages);
+/// The reader behind an Accessor: finds corners, and adds up what they say.
+class ShellReader {
+public:
+    explicit ShellReader(const ShellGridData& grid);
+    bool lookup(const Vec3f& objectPoint, int level, ShellLookup& out, const Rgb* core);
+    void prefetch(const Vec3f& objectPoint, int level);
+
+    struct LevelView {
+        const ShellLevel* level = nullptr;
+        const ShellLeaf* leaf = nullptr; ///< last one found; never null where the level has leaves
+        double perVoxel = 0;
+        float mmPerUnit = 1, voxelMm = 0, depthLow = 0, depthStep = 0;
+    };
+    struct Corners {
+        const ShellSample* sample[8]; ///< x slowest
+        unsigned present = 0;         ///< bit c: corner c has a sample
+        std::uint32_t number[8];      ///< in the whole grid
+    };
+    /// Samples of the voxels whose middles surround a place, whose whole part in voxels is `floor`; false where there
+    /// is none.
+    bool corners(const Vec3i& floor, int level, Corners& out) {
+        return corners(views_[std::size_t(level)], floor.x, floor.y, floor.z, out);
+    }
+
+private:
+    static void rowOf(const ShellLeaf& leaf, int row, int z, int corner, Corners& out);
+    bool corners(LevelView& view, int x, int y, int z, Corners& out) const;
+
+    std::vector<LevelView> views_;
+    Vec2f tile_;
+};
 
 } // namespace stf

@@ -5,156 +5,209 @@ namespace stf {
 
 namespace {
 
-using Leaf = openvdb::Int32Tree::LeafNodeType;
+using LevelView = ShellReader::LevelView;
 
-/// Whether a corner sees the same patch of the exemplar as the reference, and its coordinate relative to the
-/// reference's tile. Patches differ where the coordinate is not what the reference's gradients foresee, sheets of the
-/// shell where the depth is not.
-class PatchTest {
-public:
-    PatchTest(const ShellSample& reference, float voxel, float mmPerUnit, const Vec2f& tile)
-        : reference_(reference), voxelMm_(voxel * mmPerUnit), mmPerUnit_(mmPerUnit), tile_(tile),
-          // Half a voxel's change is more than curvature brings and less than most jumps.
-          tolerance_{bound(reference.gradX, voxel, tile.x), bound(reference.gradY, voxel, tile.y)} {}
+namespace plain {
+#include "stfLib/shell/shell_lookup_kernel.inc"
+}
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+#define STF_SHELL_AVX2 1
+#pragma GCC push_options
+#pragma GCC target("avx2")
+namespace avx2 {
+#include "stfLib/shell/shell_lookup_kernel.inc"
+}
+#pragma GCC pop_options
+#endif
 
-    bool accept(const ShellSample& sample, const Vec3f& step, Vec2f& exemplar) const {
-        const Vec2f foreseen{reference_.exemplar.x + dot(reference_.gradX, step),
-                             reference_.exemplar.y + dot(reference_.gradY, step)};
-        const float dx = nearestImage(sample.exemplar.x - foreseen.x, tile_.x);
-        const float dy = nearestImage(sample.exemplar.y - foreseen.y, tile_.y);
-        const float depth = reference_.depth - mmPerUnit_ * dot(reference_.normal, step);
-        exemplar = {foreseen.x + dx, foreseen.y + dy};
-        return std::abs(dx) <= tolerance_.x && std::abs(dy) <= tolerance_.y &&
-               std::abs(sample.depth - depth) <= voxelMm_ && dot(sample.normal, reference_.normal) > 0;
+/// The same numbers by either: nothing is fused, sums have one order.
+using AddUp = decltype(&plain::addUp);
+AddUp chooseAddUp() {
+#if STF_SHELL_AVX2
+    if (__builtin_cpu_supports("avx2")) {
+        return avx2::addUp;
     }
+#endif
+    return plain::addUp;
+}
+const AddUp addUp = chooseAddUp();
 
-private:
-    static float bound(const Vec3f& gradient, float voxel, float tile) {
-        return std::min(0.25f * tile, 0.5f * length(gradient) * voxel + 1e-3f * tile);
+/// Samples among the voxels of a row below z: bits of a byte below its z-th.
+struct BitCounts {
+    std::uint8_t of[256];
+    constexpr BitCounts() : of() {
+        for (int i = 0; i < 256; ++i) {
+            int count = 0;
+            for (int b = i; b; b &= b - 1) {
+                ++count;
+            }
+            of[i] = std::uint8_t(count);
+        }
     }
-    static float nearestImage(float d, float tile) { return d - tile * std::nearbyint(d / tile); }
-
-    const ShellSample& reference_;
-    float voxelMm_, mmPerUnit_;
-    Vec2f tile_, tolerance_;
 };
+constexpr BitCounts kBits;
 
 } // namespace
 
-struct ShellGrid::Accessor::Impl {
-    explicit Impl(const ShellGridData& g)
-        : grid(g), tree(g.tree), perVoxel(1 / g.voxel), voxel(float(g.voxel)),
-          mmPerUnit(float(g.mmPerUnit)), tile{float(g.tileMm.x), float(g.tileMm.y)} {}
+ShellReader::ShellReader(const ShellGridData& grid) : tile_{float(grid.tileMm.x), float(grid.tileMm.y)} {
+    for (const ShellLevel& level : grid.levels) {
+        LevelView v;
+        v.level = &level;
+        v.leaf = level.leaves().empty() ? nullptr : &level.leaves().front();
+        v.perVoxel = 1 / level.voxel;
+        v.mmPerUnit = float(grid.mmPerUnit);
+        v.voxelMm = float(level.voxel * grid.mmPerUnit);
+        v.depthLow = float(level.codec.depthLow);
+        v.depthStep = float(level.codec.depthStep);
+        views_.push_back(v);
+    }
+}
 
-    /// Sample numbers of the eight corners at `o`, x slowest; false if there is none.
-    bool corners(const openvdb::Coord& o, std::int32_t (&number)[8]) {
-        constexpr int mask = int(Leaf::DIM) - 1;
-        if ((o.x() & mask) != mask && (o.y() & mask) != mask && (o.z() & mask) != mask) {
-            const Leaf* leaf = tree.probeConstLeaf(o);
-            if (!leaf) {
-                return false;
-            }
-            const std::int32_t* v = leaf->buffer().data() + Leaf::coordToOffset(o);
-            constexpr int dx = int(Leaf::DIM * Leaf::DIM), dy = int(Leaf::DIM);
-            const std::int32_t all[8] = {v[0], v[1], v[dy], v[dy + 1], v[dx], v[dx + 1], v[dx + dy], v[dx + dy + 1]};
-            std::copy(all, all + 8, number);
+/// The two corners of a row at z and z + 1.
+inline void ShellReader::rowOf(const ShellLeaf& leaf, int row, int z, int corner, Corners& out) {
+    const unsigned bits = leaf.row[row], here = bits >> z & 1u;
+    const unsigned first = leaf.before[row] + kBits.of[bits & ((1u << z) - 1u)];
+    out.present |= (bits >> z & 3u) << corner;
+    out.sample[corner] = leaf.samples + first;
+    out.sample[corner + 1] = leaf.samples + first + here;
+    out.number[corner] = leaf.number + first;
+    out.number[corner + 1] = leaf.number + first + here;
+}
+
+bool ShellReader::corners(LevelView& view, int x, int y, int z, Corners& out) const {
+    constexpr int mask = kLeafSize - 1;
+    const ShellLevel& level = *view.level;
+    const ShellLeaf* leaf = view.leaf;
+    if (((x ^ leaf->origin.x) | (y ^ leaf->origin.y) | (z ^ leaf->origin.z)) & ~mask) {
+        leaf = level.find(x, y, z);
+        if (leaf) {
+            view.leaf = leaf;
+        }
+    }
+    const int lx = x & mask, ly = y & mask, lz = z & mask;
+    if (leaf && lx != mask && ly != mask && lz != mask) {
+        const int row = ShellLeaf::rowOf(lx, ly);
+        rowOf(*leaf, row, lz, 0, out);
+        rowOf(*leaf, row + 1, lz, 2, out);
+        rowOf(*leaf, row + kLeafSize, lz, 4, out);
+        rowOf(*leaf, row + kLeafSize + 1, lz, 6, out);
+        return out.present != 0;
+    }
+    const ShellLeaf* const leaves = level.leaves().data();
+    for (int c = 0; c < 8; ++c) {
+        const int cx = lx + (c >> 2), cy = ly + (c >> 1 & 1), cz = lz + (c & 1);
+        const int beyond = cx >> kLeafLog2 << 2 | cy >> kLeafLog2 << 1 | cz >> kLeafLog2;
+        const ShellLeaf* owner = nullptr;
+        if (leaf) {
+            const std::uint32_t next = leaf->next[beyond];
+            owner = next == kNoLeaf ? nullptr : leaves + next;
         } else {
-            for (int c = 0; c < 8; ++c) {
-                number[c] = tree.getValue(o.offsetBy(c >> 2, c >> 1 & 1, c & 1));
+            owner = level.find(x + (c >> 2), y + (c >> 1 & 1), z + (c & 1));
+        }
+        if (!owner) {
+            continue;
+        }
+        const int row = ShellLeaf::rowOf(cx & mask, cy & mask);
+        const unsigned bits = owner->row[row], bit = unsigned(cz & mask);
+        if (bits >> bit & 1u) {
+            const unsigned at = owner->before[row] + kBits.of[bits & ((1u << bit) - 1u)];
+            out.sample[c] = owner->samples + at;
+            out.number[c] = owner->number + at;
+            out.present |= 1u << c;
+        }
+    }
+    return out.present != 0;
+}
+
+bool ShellReader::lookup(const Vec3f& objectPoint, int levelNumber, ShellLookup& out, const Rgb* core) {
+    if (views_.empty()) {
+        return false;
+    }
+    LevelView& view = views_[std::size_t(std::clamp(levelNumber, 0, int(views_.size()) - 1))];
+    const Vec3d at = (Vec3d(objectPoint) - view.level->origin) * view.perVoxel;
+    // Also false for NaN and for an empty grid.
+    if (!(std::abs(at.x) < 1e9 && std::abs(at.y) < 1e9 && std::abs(at.z) < 1e9) || !view.leaf) {
+        return false;
+    }
+    const Vec3d floor(quickFloor(at.x), quickFloor(at.y), quickFloor(at.z));
+    Corners c;
+    if (!corners(view, int(floor.x), int(floor.y), int(floor.z), c)) {
+        return false;
+    }
+    const Vec3f f(at - floor);
+    int ref = (f.x > 0.5f ? 4 : 0) | (f.y > 0.5f ? 2 : 0) | (f.z > 0.5f ? 1 : 0);
+    if (!(c.present >> ref & 1)) {
+        // The nearest of those there are.
+        float best = -1;
+        for (int i = 0; i < 8; ++i) {
+            const float weight = (i & 4 ? f.x : 1 - f.x) * (i & 2 ? f.y : 1 - f.y) * (i & 1 ? f.z : 1 - f.z);
+            if (c.present >> i & 1 && weight > best) {
+                best = weight;
+                ref = i;
             }
         }
-        return std::any_of(number, number + 8, [](std::int32_t n) { return n >= 0; });
     }
+    const ShellSample* lane[8];
+    unsigned present = 255;
+    for (int i = 0; i < 8; ++i) {
+        lane[i] = c.sample[i ^ ref];
+    }
+    if (c.present != 255) {
+        present = 0;
+        for (int i = 0; i < 8; ++i) { // lanes that do not count must be readable
+            const bool there = c.present >> (i ^ ref) & 1;
+            present |= unsigned(there) << i;
+            lane[i] = there ? lane[i] : c.sample[ref];
+        }
+    }
+    float weights[8];
+    addUp(view, tile_, lane, present, ref, f, out, weights);
+    const ShellSample& reference = *c.sample[ref];
+    out.triangle = reference.triangle;
+    out.b1 = float(reference.b1) * (1 / 65535.0f);
+    out.b2 = float(reference.b2) * (1 / 65535.0f);
+    out.coreRadiance = Rgb(0.0f);
+    if (core) {
+        for (int i = 0; i < 8; ++i) {
+            if (weights[i] > 0) {
+                out.coreRadiance += core[c.number[i ^ ref]] * weights[i];
+            }
+        }
+    }
+    return true;
+}
 
-    const ShellGridData& grid;
-    openvdb::tree::ValueAccessor<const openvdb::Int32Tree, false> tree;
-    double perVoxel;
-    float voxel, mmPerUnit;
-    Vec2f tile;
+void ShellReader::prefetch(const Vec3f& objectPoint, int levelNumber) {
+    if (views_.empty()) {
+        return;
+    }
+    LevelView& view = views_[std::size_t(std::clamp(levelNumber, 0, int(views_.size()) - 1))];
+    const Vec3d at = (Vec3d(objectPoint) - view.level->origin) * view.perVoxel;
+    Corners c;
+    if (std::abs(at.x) < 1e9 && std::abs(at.y) < 1e9 && std::abs(at.z) < 1e9 && view.leaf &&
+        corners(view, int(quickFloor(at.x)), int(quickFloor(at.y)), int(quickFloor(at.z)), c)) {
+        for (int i = 0; i < 8; i += 2) {
+            if (c.present >> i & 1) {
+                __builtin_prefetch(c.sample[i]);
+            }
+        }
+    }
+}
+
+struct ShellGrid::Accessor::Impl : ShellReader {
+    using ShellReader::ShellReader;
 };
 
 ShellGrid::Accessor::Accessor(const ShellGrid& grid) : impl_(std::make_unique<Impl>(*grid.impl_)) {}
 ShellGrid::Accessor::~Accessor() = default;
 ShellGrid::Accessor::Accessor(Accessor&&) noexcept = default;
 
-bool ShellGrid::Accessor::lookup(const Vec3f& objectPoint, ShellLookup& out, const Rgb* core) {
-    Impl& self = *impl_;
-    const Vec3d at = (Vec3d(objectPoint) - self.grid.origin) * self.perVoxel;
-    // Also false for NaN and for an empty grid.
-    if (!(std::abs(at.x) < 1e9 && std::abs(at.y) < 1e9 && std::abs(at.z) < 1e9)) {
-        return false;
-    }
-    const Vec3d floor(std::floor(at.x), std::floor(at.y), std::floor(at.z));
-    const Vec3f f(at - floor);
-    std::int32_t number[8];
-    if (!self.corners({int(floor.x), int(floor.y), int(floor.z)}, number)) {
-        return false;
-    }
-    // All cache lines are asked for at once; what follows would wait for one after the other.
-    for (std::int32_t n : number) {
-        if (n >= 0) {
-            __builtin_prefetch(&self.grid.samples[std::size_t(n)]);
-        }
-    }
-    const float wx[2] = {1 - f.x, f.x}, wy[2] = {1 - f.y, f.y}, wz[2] = {1 - f.z, f.z};
-    float weight[8];
-    int nearest = -1;
-    for (int c = 0; c < 8; ++c) {
-        weight[c] = wx[c >> 2] * wy[c >> 1 & 1] * wz[c & 1];
-        if (number[c] >= 0 && (nearest < 0 || weight[c] > weight[nearest])) {
-            nearest = c;
-        }
-    }
-    const ShellSample* samples = self.grid.samples.data();
-    const ShellSample& reference = samples[number[nearest]];
-    const PatchTest patch(reference, self.voxel, self.mmPerUnit, self.tile);
+bool ShellGrid::Accessor::lookup(const Vec3f& objectPoint, ShellLookup& out, const Rgb* core, int level) {
+    return impl_->lookup(objectPoint, level, out, core);
+}
 
-    // Sums of the corners' values, and of what their gradients add on the way to the point.
-    float sum = 0, depth = 0, depthStep = 0;
-    Vec2f exemplar, exemplarStep;
-    Vec3f gradX, gradY, normal;
-    Rgb coreSum;
-    int used = 0;
-    for (int c = 0; c < 8; ++c) {
-        if (number[c] < 0) {
-            continue;
-        }
-        const ShellSample& s = samples[number[c]];
-        const Vec3f corner(float(c >> 2), float(c >> 1 & 1), float(c & 1));
-        Vec2f e = s.exemplar;
-        if (c != nearest) {
-            const Vec3f ref(float(nearest >> 2), float(nearest >> 1 & 1), float(nearest & 1));
-            if (!patch.accept(s, (corner - ref) * self.voxel, e)) {
-                continue;
-            }
-        }
-        ++used;
-        // The nearest corner always counts, even where rounding makes its weight zero.
-        const float w = c == nearest ? std::max(weight[c], 1e-6f) : weight[c];
-        const Vec3f step = (f - corner) * self.voxel;
-        sum += w;
-        exemplar = exemplar + e * w;
-        exemplarStep = exemplarStep + Vec2f(dot(s.gradX, step), dot(s.gradY, step)) * w;
-        depth += w * s.depth;
-        depthStep -= w * self.mmPerUnit * dot(s.normal, step);
-        gradX += s.gradX * w;
-        gradY += s.gradY * w;
-        normal += s.normal * w;
-        if (core) {
-            coreSum += core[number[c]] * w;
-        }
-    }
-    // With all corners the errors of interpolation and of extrapolation are opposite and equal: their mean is exact to
-    // second order. Without some, only extrapolation has no bias.
-    const float share = used == 8 ? 0.5f : 1.0f;
-    const float scale = 1 / sum;
-    out.exemplar = (exemplar + exemplarStep * share) * scale;
-    out.depth = (depth + (used == 8 ? 0.0f : depthStep)) * scale;
-    out.gradX = gradX * scale;
-    out.gradY = gradY * scale;
-    out.normal = normalize(normal);
-    out.coreRadiance = coreSum * scale;
-    return true;
+void ShellGrid::Accessor::prefetch(const Vec3f& objectPoint, int level) {
+    impl_->prefetch(objectPoint, level);
 }
 
 } // namespace stf

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "stfLib/shell/shell_grid_impl.h"
+#include "stfLib/shell/shell_scan.h"
 
 #include "stfLib/base/parallel.h"
 #include "stfLib/shell/shell_prism.h"
@@ -13,12 +13,7 @@ namespace {
 
 // Space is cut into bricks of 2 x 2 x 2 leaves; each is filled by one thread from the prisms that may reach it.
 constexpr int brickLog2 = 4, brickSize = 1 << brickLog2, brickVoxels = brickSize * brickSize * brickSize;
-constexpr int leafLog2 = 3, leafSize = 1 << leafLog2, leafVoxels = leafSize * leafSize * leafSize;
-using Leaf = openvdb::Int32Tree::LeafNodeType;
-static_assert(Leaf::DIM == leafSize, "bricks are made of the tree's leaves");
-
-// A lookup on either boundary has corners up to a voxel's diagonal beyond it.
-constexpr double margin = 1.8;
+constexpr int leavesPerAxis = brickSize / kLeafSize, leafVoxels = kLeafSize * kLeafSize * kLeafSize;
 
 /// Brick coordinates relative to the lowest, packed; 21 bits each.
 struct BrickTriangle {
@@ -44,23 +39,80 @@ struct VoxelBox {
 struct Claim {
     float b1, b2, depth;
     std::int32_t triangle; ///< -1: none
+    bool folded;           ///< inside the shell, and inside out
+};
+
+/// A half-space that holds a prism: points x, relative to its first corner, with out . x <= bound.
+struct Side {
+    Vec3d out;
+    double bound;
+};
+
+/// Slab and sides of a prism, to find the part of a row of voxels that it may hold.
+class Sides {
+public:
+    Sides(const ShellPrism& prism, double outside, double slack) {
+        const double deep = prism.largestThickness() + outside;
+        Vec3d corner[6];
+        for (int c = 0; c < 3; ++c) {
+            corner[c] = prism.corner(c, -outside) - prism.p0;
+            corner[3 + c] = prism.corner(c, deep) - prism.p0;
+        }
+        const Vec3d along = prism.direction(1.0 / 3, 1.0 / 3);
+        const Vec3d edge[3] = {prism.e1, prism.e2 - prism.e1, -prism.e2};
+        if (prism.facetLo > 0) {
+            add(-prism.facet, corner, slack);
+            add(prism.facet, corner, slack);
+        }
+        for (const Vec3d& e : edge) {
+            const Vec3d out = normalize(cross(e, along));
+            if (dot(out, out) > 0.5) {
+                add(out, corner, slack + 1e-3 * length(e));
+            }
+        }
+    }
+
+    /// Narrows [first, last], numbers of voxels `step` apart along z, of the row whose number 0 lies at `row`.
+    void clip(const Vec3d& row, double step, int& first, int& last) const {
+        for (int i = 0; i < count_; ++i) {
+            const double room = side_[i].bound - dot(side_[i].out, row), rise = side_[i].out.z * step;
+            if (rise > 1e-9 * step) {
+                last = std::min(last, int(std::floor(std::clamp(room / rise, -1e9, 1e9))));
+            } else if (rise < -1e-9 * step) {
+                first = std::max(first, int(std::ceil(std::clamp(room / rise, -1e9, 1e9))));
+            } else if (room < 0) {
+                last = first - 1;
+            }
+        }
+    }
+
+private:
+    void add(const Vec3d& out, const Vec3d (&corner)[6], double slack) {
+        double bound = -1e300;
+        for (const Vec3d& c : corner) {
+            bound = std::max(bound, dot(out, c));
+        }
+        side_[count_++] = {out, bound + slack};
+    }
+
+    Side side_[5];
+    int count_ = 0;
 };
 
 struct Brick {
     std::uint64_t key;
     std::size_t begin, end; ///< its triangles in the sorted list
     std::vector<ShellSample> samples;
-    std::vector<std::unique_ptr<Leaf>> leaves; ///< values count from the brick's first sample
+    std::vector<ShellLeaf> leaves; ///< in the order of their samples
 };
 
 class Scanner {
 public:
-    Scanner(const RefinedSurface& surface, const ShellBoundary& boundary, const ExemplarMap& map, ShellGridData& grid,
-            Progress& progress)
-        : surface_(surface), boundary_(boundary), map_(map), grid_(grid), progress_(progress),
-          outside_(margin * grid.voxel) {}
+    Scanner(const ShellSource& source, ShellLevel& level, const std::function<void(double)>& progress)
+        : source_(source), surface_(source.surface), boundary_(source.boundary), map_(source.map), level_(level),
+          progress_(progress), outside_(kShellMargin * level.voxel) {}
 
-    void run(const MessageSink& messages);
+    ScanCounts run();
 
 private:
     VoxelBox voxelBox(const ShellPrism& prism) const;
@@ -71,14 +123,13 @@ private:
     void fillBrick(Brick& brick, std::vector<Claim>& claims);
     void claim(const ShellPrism& prism, std::int32_t triangle, const Vec3i& corner, std::vector<Claim>& claims);
     void makeSamples(Brick& brick, const Vec3i& corner, const std::vector<Claim>& claims);
-    ShellSample makeSample(const Claim& claim) const;
-    void collect();
 
+    const ShellSource& source_;
     const RefinedSurface& surface_;
     const ShellBoundary& boundary_;
     const ExemplarMap& map_;
-    ShellGridData& grid_;
-    Progress& progress_;
+    ShellLevel& level_;
+    const std::function<void(double)>& progress_;
     double outside_; ///< object units beyond both boundaries
     Vec3i lowest_;   ///< brick with the lowest coordinates
     std::vector<BrickTriangle> pairs_;
@@ -91,7 +142,7 @@ VoxelBox Scanner::voxelBox(const ShellPrism& prism) const {
     const double deep = prism.largestThickness() + outside_;
     for (int c = 0; c < 3; ++c) {
         for (double d : {-outside_, deep}) {
-            const Vec3d p = (prism.corner(c, d) - grid_.origin) / grid_.voxel;
+            const Vec3d p = (prism.corner(c, d) - level_.origin) / level_.voxel;
             lo = {std::min(lo.x, p.x), std::min(lo.y, p.y), std::min(lo.z, p.z)};
             hi = {std::max(hi.x, p.x), std::max(hi.y, p.y), std::max(hi.z, p.z)};
         }
@@ -103,14 +154,14 @@ VoxelBox Scanner::voxelBox(const ShellPrism& prism) const {
 }
 
 void Scanner::findLowestBrick() {
-    // Prisms reach beyond the bounds by at most their thickness and the margin, if directions turn outward.
+    // Prisms reach beyond the bounds by their thickness and the margin, along directions of a length below 3.
     float thickest = 0;
     for (float t : boundary_.thickness) {
         thickest = std::max(thickest, t);
     }
-    const double reach = (double(thickest) + outside_) * 1.05 + 2 * grid_.voxel;
-    const Vec3d lo = (Vec3d(surface_.bounds.lo) - Vec3d(reach) - grid_.origin) / grid_.voxel;
-    const Vec3d hi = (Vec3d(surface_.bounds.hi) + Vec3d(reach) - grid_.origin) / grid_.voxel;
+    const double reach = (double(thickest) + outside_) * 3 + 2 * level_.voxel;
+    const Vec3d lo = (Vec3d(surface_.bounds.lo) - Vec3d(reach) - level_.origin) / level_.voxel;
+    const Vec3d hi = (Vec3d(surface_.bounds.hi) + Vec3d(reach) - level_.origin) / level_.voxel;
     if (maxComponent(hi - lo) > double(1 << 24)) {
         throw Error("the shell is too thin for the size of the object: its grid would have more than 16 million voxels "
                     "along an axis");
@@ -124,11 +175,11 @@ void Scanner::emitBricks(const ShellPrism& prism, Vec3i lo, Vec3i hi, std::uint3
     const Vec3i count = hi - lo + Vec3i(1);
     if (prism.facetLo > 0) {
         // Whole blocks beside the slab around the triangle are left out: large triangles have large empty boxes.
-        const Vec3d half = Vec3d(count) * (0.5 * brickSize * grid_.voxel);
-        const Vec3d centre = grid_.origin + Vec3d(lo) * (brickSize * grid_.voxel) + half;
+        const Vec3d half = Vec3d(count) * (0.5 * brickSize * level_.voxel);
+        const Vec3d centre = level_.origin + Vec3d(lo) * (brickSize * level_.voxel) + half;
         const double below = -dot(centre - prism.p0, prism.facet);
         const double radius = std::abs(half.x * prism.facet.x) + std::abs(half.y * prism.facet.y) +
-                              std::abs(half.z * prism.facet.z) + grid_.voxel;
+                              std::abs(half.z * prism.facet.z) + level_.voxel;
         if (below + radius < -outside_ * prism.facetHi ||
             below - radius > (prism.largestThickness() + outside_) * prism.facetHi) {
             return;
@@ -168,7 +219,7 @@ void Scanner::listBricks() {
             };
             emitBricks(prism, brickOf(box.lo), brickOf(box.hi), std::uint32_t(t), out);
         }
-        progress_.update("shell grid", 0.1 * double(begin) / double(count));
+        progress_(0.1 * double(begin) / double(count));
     });
     std::size_t total = 0;
     for (const auto& c : chunks) {
@@ -197,65 +248,132 @@ void Scanner::claim(const ShellPrism& prism, std::int32_t triangle, const Vec3i&
         box.lo[a] = std::max(box.lo[a], corner[a]);
         box.hi[a] = std::min(box.hi[a], corner[a] + brickSize - 1);
     }
-    // Depth below the facet's plane is d (direction . facet): bounds of it, and its slope along a row.
+    const Sides sides(prism, outside_, 1e-3 * level_.voxel);
+    // Depth below the facet's plane is d (direction . facet).
     const bool slab = prism.facetLo > 0;
-    const double slack = 1e-3 * grid_.voxel;
-    const double lo = -outside_ * prism.facetHi - slack;
-    const double hi = (prism.largestThickness() + outside_) * prism.facetHi + slack;
-    const double slope = -prism.facet.z * grid_.voxel;
+    const double slope = -prism.facet.z * level_.voxel;
     for (int x = box.lo.x; x <= box.hi.x; ++x) {
         for (int y = box.lo.y; y <= box.hi.y; ++y) {
             int first = box.lo.z, last = box.hi.z;
-            const Vec3d row = grid_.centre(x, y, 0) - prism.p0;
+            const Vec3d row = level_.centre(x, y, 0) - prism.p0;
+            sides.clip(row, level_.voxel, first, last);
             const double below0 = -dot(row, prism.facet);
-            if (slab) {
-                if (std::abs(slope) > 1e-6 * grid_.voxel) {
-                    const double a = (lo - below0) / slope, b = (hi - below0) / slope;
-                    first = std::max(first, int(std::ceil(std::clamp(std::min(a, b), -1e9, 1e9))));
-                    last = std::min(last, int(std::floor(std::clamp(std::max(a, b), -1e9, 1e9))));
-                } else if (below0 + slope * first < lo - slack || below0 + slope * first > hi + slack) {
-                    continue;
-                }
-            }
             Claim* claimRow = claims.data() + (std::size_t(x - corner.x) << (2 * brickLog2)) +
                               (std::size_t(y - corner.y) << brickLog2);
             for (int z = first; z <= last; ++z) {
                 Claim& best = claimRow[z - corner.z];
-                const double below = below0 + slope * z;
                 // No point of this prism can be nearer to its triangle than that.
-                if (best.triangle >= 0 && slab && std::abs(below) > std::abs(double(best.depth)) * prism.facetHi) {
+                if (best.triangle >= 0 && slab &&
+                    std::abs(below0 + slope * z) > std::abs(double(best.depth)) * prism.facetHi) {
                     continue;
                 }
                 ShellPrism::Point point;
-                if (!prism.invert(row + Vec3d(0, 0, z * grid_.voxel), outside_, outside_, point)) {
+                if (!prism.invert(row + Vec3d(0, 0, z * level_.voxel), outside_, outside_, point)) {
                     continue;
                 }
                 if (best.triangle < 0 || std::abs(float(point.d)) < std::abs(best.depth)) {
-                    best = {float(point.b1), float(point.b2), float(point.d), triangle};
+                    const bool folded = point.folded && point.d > 0 && point.d < prism.thickness(point.b1, point.b2);
+                    best = {float(point.b1), float(point.b2), float(point.d), triangle, folded};
                 }
             }
         }
     }
 }
 
-ShellSample Scanner::makeSample(const Claim& claim) const {
-    const std::size_t t = std::size_t(claim.triangle);
-    const Vec3i& tri = surface_.triangles[t];
-    const double b[3] = {1.0 - double(claim.b1) - double(claim.b2), double(claim.b1), double(claim.b2)};
-    double x = 0, y = 0;
+void Scanner::makeSamples(Brick& brick, const Vec3i& corner, const std::vector<Claim>& claims) {
+    for (int l = 0; l < leavesPerAxis * leavesPerAxis * leavesPerAxis; ++l) {
+        const Vec3i at(l / 4 * kLeafSize, l / 2 % 2 * kLeafSize, l % 2 * kLeafSize);
+        ShellLeaf leaf;
+        leaf.origin = corner + at;
+        for (int v = 0; v < leafVoxels; ++v) {
+            const int x = v / kLeafRows, y = v / kLeafSize % kLeafSize, z = v % kLeafSize;
+            const int row = ShellLeaf::rowOf(x, y);
+            if (z == 0) {
+                leaf.before[row] = std::uint16_t(leaf.count);
+            }
+            const Claim& best = claims[(std::size_t(at.x + x) << (2 * brickLog2)) +
+                                       (std::size_t(at.y + y) << brickLog2) + std::size_t(at.z + z)];
+            if (best.triangle < 0) {
+                continue;
+            }
+            const ShellPoint point =
+                shellPoint(source_, std::size_t(best.triangle), double(best.b1), double(best.b2), double(best.depth));
+            if (!isFinite(point.normal) || !isFinite(point.gradX) || !isFinite(point.gradY) ||
+                !std::isfinite(point.exemplar.x) || !std::isfinite(point.exemplar.y)) {
+                continue;
+            }
+            leaf.row[row] = std::uint8_t(leaf.row[row] | 1u << z);
+            ++leaf.count;
+            brick.samples.push_back(level_.codec.pack(point));
+        }
+        if (leaf.count) {
+            brick.leaves.push_back(leaf);
+        }
+    }
+}
+
+void Scanner::fillBrick(Brick& brick, std::vector<Claim>& claims) {
+    claims.assign(brickVoxels, Claim{0, 0, 0, -1, false});
+    const Vec3i b = unpackBrick(brick.key) + lowest_;
+    const Vec3i corner(b.x * brickSize, b.y * brickSize, b.z * brickSize);
+    ShellPrism prism;
+    for (std::size_t i = brick.begin; i < brick.end; ++i) {
+        if (prism.set(surface_, boundary_, pairs_[i].triangle)) {
+            claim(prism, std::int32_t(pairs_[i].triangle), corner, claims);
+        }
+    }
+    folded_ += std::size_t(std::count_if(claims.begin(), claims.end(), [](const Claim& c) { return c.folded; }));
+    makeSamples(brick, corner, claims);
+}
+
+ScanCounts Scanner::run() {
+    progress_(0);
+    findLowestBrick();
+    listBricks();
+    // So many at once that all threads are busy, and no more than fit into the cache beside what is kept.
+    const std::size_t batch = 32 * std::size_t(std::max(1, threadCount()));
+    for (std::size_t first = 0; first < bricks_.size(); first += batch) {
+        const std::size_t count = std::min(batch, bricks_.size() - first);
+        parallelFor(count, 4, [&](std::size_t begin, std::size_t end) {
+            std::vector<Claim> claims;
+            for (std::size_t i = begin; i < end; ++i) {
+                fillBrick(bricks_[first + i], claims);
+            }
+        });
+        for (std::size_t i = first; i < first + count; ++i) {
+            const ShellSample* samples = bricks_[i].samples.data();
+            for (const ShellLeaf& leaf : bricks_[i].leaves) {
+                level_.add(leaf, samples);
+                samples += leaf.count;
+            }
+            bricks_[i] = Brick{};
+        }
+        progress_(0.1 + 0.9 * double(first + count) / double(bricks_.size()));
+    }
+    level_.foldedVoxels = folded_;
+    return {unusable_};
+}
+
+} // namespace
+
+ShellPoint shellPoint(const ShellSource& source, std::size_t t, double b1, double b2, double depth) {
+    const RefinedSurface& surface = source.surface;
+    const Vec3i& tri = surface.triangles[t];
+    const double b[3] = {1.0 - b1 - b2, b1, b2};
+    ShellPoint out;
     Vec3d normal, gradient[2];
     for (int c = 0; c < 3; ++c) {
         const std::size_t i = 3 * t + std::size_t(c);
-        x += b[c] * double(map_.cornerCoords[i].x);
-        y += b[c] * double(map_.cornerCoords[i].y);
-        normal += Vec3d(surface_.normals[std::size_t(tri[c])]) * b[c];
-        gradient[0] += Vec3d(map_.gradientX[i]) * b[c];
-        gradient[1] += Vec3d(map_.gradientY[i]) * b[c];
+        out.exemplar.x += b[c] * double(source.map.cornerCoords[i].x);
+        out.exemplar.y += b[c] * double(source.map.cornerCoords[i].y);
+        normal += Vec3d(surface.normals[std::size_t(tri[c])]) * b[c];
+        gradient[0] += Vec3d(source.map.gradientX[i]) * b[c];
+        gradient[1] += Vec3d(source.map.gradientY[i]) * b[c];
     }
     normal = normalize(normal);
     ShellPrism prism;
-    prism.set(surface_, boundary_, t);
-    const ShellPrism::Point point{b[1], b[2], double(claim.depth), false};
+    prism.set(surface, source.boundary, t);
+    const ShellPrism::Point point{b1, b2, depth, false};
     for (Vec3d& g : gradient) {
         // The smooth gradient is tangent to the limit surface. Brought into the triangle's plane along the normal it
         // gives the slopes over the triangle, and by the prism's map the gradient at this depth.
@@ -267,132 +385,26 @@ ShellSample Scanner::makeSample(const Claim& claim) const {
             g = deep;
         }
     }
-    ShellSample sample{};
-    const auto wrapped = [](double v, double tile) { return float(v - std::floor(v / tile) * tile); };
-    sample.exemplar = {wrapped(x, grid_.tileMm.x), wrapped(y, grid_.tileMm.y)};
-    sample.depth = float(double(claim.depth) * grid_.mmPerUnit);
-    sample.gradX = Vec3f(gradient[0]);
-    sample.gradY = Vec3f(gradient[1]);
+    out.depth = depth * source.mmPerUnit;
+    out.gradX = gradient[0] / source.mmPerUnit;
+    out.gradY = gradient[1] / source.mmPerUnit;
     // A faceted surface is shaded by its facets; its shared normals only say where the shell lies.
     Vec3d shading = normal;
-    if (!surface_.cornerNormals.empty()) {
+    if (!surface.cornerNormals.empty()) {
         shading = Vec3d(0.0);
         for (std::size_t c = 0; c < 3; ++c) {
-            shading += Vec3d(surface_.cornerNormals[3 * t + c]) * b[c];
+            shading += Vec3d(surface.cornerNormals[3 * t + c]) * b[c];
         }
     }
-    sample.normal = Vec3f(normalize(shading));
-    sample.triangle = std::uint32_t(claim.triangle);
-    sample.b1 = std::uint16_t(std::lround(claim.b1 * 65535.0f));
-    sample.b2 = std::uint16_t(std::lround(claim.b2 * 65535.0f));
-    return sample;
+    out.normal = normalize(shading);
+    out.triangle = std::uint32_t(t);
+    out.b1 = float(b1);
+    out.b2 = float(b2);
+    return out;
 }
 
-void Scanner::makeSamples(Brick& brick, const Vec3i& corner, const std::vector<Claim>& claims) {
-    const int leavesPerAxis = brickSize / leafSize;
-    for (int l = 0; l < leavesPerAxis * leavesPerAxis * leavesPerAxis; ++l) {
-        const Vec3i at(l / 4 * leafSize, l / 2 % 2 * leafSize, l % 2 * leafSize);
-        std::unique_ptr<Leaf> leaf;
-        for (int v = 0; v < leafVoxels; ++v) {
-            const int x = at.x + (v >> (2 * leafLog2)), y = at.y + (v >> leafLog2 & (leafSize - 1)),
-                      z = at.z + (v & (leafSize - 1));
-            const Claim& best =
-                claims[(std::size_t(x) << (2 * brickLog2)) + (std::size_t(y) << brickLog2) + std::size_t(z)];
-            if (best.triangle < 0) {
-                continue;
-            }
-            if (!leaf) {
-                leaf = std::make_unique<Leaf>(openvdb::Coord(corner.x + at.x, corner.y + at.y, corner.z + at.z), -1,
-                                              false);
-            }
-            const ShellSample sample = makeSample(best);
-            if (!isFinite(sample.normal) || !isFinite(sample.gradX) || !isFinite(sample.gradY) ||
-                !std::isfinite(sample.exemplar.x) || !std::isfinite(sample.exemplar.y)) {
-                continue;
-            }
-            leaf->setValueOn(openvdb::Index(v), std::int32_t(brick.samples.size()));
-            brick.samples.push_back(sample);
-        }
-        if (leaf && !leaf->isEmpty()) {
-            brick.leaves.push_back(std::move(leaf));
-        }
-    }
-}
-
-void Scanner::fillBrick(Brick& brick, std::vector<Claim>& claims) {
-    claims.assign(brickVoxels, Claim{0, 0, 0, -1});
-    const Vec3i b = unpackBrick(brick.key) + lowest_;
-    const Vec3i corner(b.x * brickSize, b.y * brickSize, b.z * brickSize);
-    ShellPrism prism;
-    for (std::size_t i = brick.begin; i < brick.end; ++i) {
-        if (prism.set(surface_, boundary_, pairs_[i].triangle)) {
-            claim(prism, std::int32_t(pairs_[i].triangle), corner, claims);
-        }
-    }
-    std::size_t folded = 0;
-    for (const Claim& c : claims) {
-        if (c.triangle >= 0 && c.depth > 0 && prism.set(surface_, boundary_, std::size_t(c.triangle)) &&
-            double(c.depth) < prism.thickness(double(c.b1), double(c.b2))) {
-            const double d = double(c.depth);
-            folded += dot(cross(prism.e1 - prism.m1 * d, prism.e2 - prism.m2 * d),
-                          prism.direction(double(c.b1), double(c.b2))) < 0;
-        }
-    }
-    folded_ += folded;
-    makeSamples(brick, corner, claims);
-}
-
-void Scanner::collect() {
-    std::size_t total = 0;
-    for (const Brick& b : bricks_) {
-        total += b.samples.size();
-    }
-    if (total > std::size_t(INT32_MAX)) {
-        throw Error("the shell has more than 2^31 voxels");
-    }
-    grid_.samples.reserve(total);
-    for (Brick& b : bricks_) {
-        const std::int32_t first = std::int32_t(grid_.samples.size());
-        grid_.samples.insert(grid_.samples.end(), b.samples.begin(), b.samples.end());
-        for (std::unique_ptr<Leaf>& leaf : b.leaves) {
-            for (auto it = leaf->beginValueOn(); it; ++it) {
-                it.setValue(*it + first);
-            }
-            grid_.tree.addLeaf(leaf.release());
-        }
-        b = Brick{};
-    }
-}
-
-void Scanner::run(const MessageSink& messages) {
-    progress_.update("shell grid", 0);
-    findLowestBrick();
-    listBricks();
-    std::atomic<std::size_t> done{0};
-    parallelFor(bricks_.size(), 8, [&](std::size_t begin, std::size_t end) {
-        std::vector<Claim> claims;
-        for (std::size_t i = begin; i < end; ++i) {
-            fillBrick(bricks_[i], claims);
-        }
-        progress_.update("shell grid", 0.1 + 0.85 * double(done += end - begin) / double(bricks_.size()));
-    });
-    collect();
-    progress_.update("shell grid", 1);
-    if (unusable_) {
-        report(messages, Severity::Warning, std::to_string(unusable_) + " triangles without area have no shell");
-    }
-    if (folded_) {
-        report(messages, Severity::Warning,
-               "the shell folds over in " + std::to_string(folded_) + " of " + std::to_string(grid_.samples.size()) +
-                   " voxels: it is thicker than the surface's curvature allows");
-    }
-}
-
-} // namespace
-
-void scanShell(const RefinedSurface& surface, const ShellBoundary& boundary, const ExemplarMap& map,
-               ShellGridData& grid, Progress& progress, const MessageSink& messages) {
-    Scanner(surface, boundary, map, grid, progress).run(messages);
+ScanCounts scanShell(const ShellSource& source, ShellLevel& level, const std::function<void(double)>& progress) {
+    return Scanner(source, level, progress).run();
 }
 
 } // namespace stf

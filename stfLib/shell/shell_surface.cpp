@@ -177,7 +177,7 @@ void offset(const RefinedSurface& surface, const std::vector<Vec3f>& directions,
 }
 
 /// Triangles that turned over although each point alone would not: different thicknesses at their corners.
-bool lowerTurned(const RefinedSurface& surface, float least, ShellBoundary& boundary) {
+bool lowerTurned(const RefinedSurface& surface, float least, ShellBoundary& boundary, std::vector<char>& turned) {
     std::vector<float> factor(surface.points.size(), 1.0f);
     bool any = false;
     for (const Vec3i& t : surface.triangles) {
@@ -189,6 +189,7 @@ bool lowerTurned(const RefinedSurface& surface, float least, ShellBoundary& boun
             for (int c = 0; c < 3; ++c) {
                 any = any || boundary.thickness[std::size_t(t[c])] > least;
                 factor[std::size_t(t[c])] = 0.7f;
+                turned[std::size_t(t[c])] = 1;
             }
         }
     }
@@ -196,6 +197,47 @@ bool lowerTurned(const RefinedSurface& surface, float least, ShellBoundary& boun
         boundary.thickness[i] = std::max(least, factor[i] * boundary.thickness[i]);
     }
     return any;
+}
+
+/// A third of the area of its triangles, for each point.
+std::vector<double> areas(const RefinedSurface& surface) {
+    std::vector<double> out(surface.points.size(), 0);
+    for (const Vec3i& t : surface.triangles) {
+        const Vec3d p = at(surface.points, t.x);
+        const double area = length(cross(at(surface.points, t.y) - p, at(surface.points, t.z) - p)) / 6;
+        for (int c = 0; c < 3; ++c) {
+            out[std::size_t(t[c])] += std::isfinite(area) ? area : 0.0;
+        }
+    }
+    return out;
+}
+
+/// What each limit did; the lowest counts.
+ShellClamping explain(const RefinedSurface& surface, float thickness, const std::vector<float>& byCurvature,
+                      const std::vector<float>& byThinParts, const std::vector<char>& turned, ShellBoundary& boundary) {
+    ShellClamping out;
+    out.lowest = thickness;
+    const std::vector<double> area = areas(surface);
+    double all = 0;
+    for (std::size_t i = 0; i < area.size(); ++i) {
+        const float t = boundary.thickness[i];
+        all += area[i];
+        out.lowest = std::min(out.lowest, t);
+        if (!(t < thickness * (1 - 1e-5f))) {
+            continue;
+        }
+        ++boundary.clampedPoints;
+        const float limit = std::min(byCurvature[i], byThinParts[i]);
+        double& cause = turned[i]                            ? out.turned
+                        : !(limit < thickness * (1 - 1e-5f)) ? out.beside
+                        : byThinParts[i] <= byCurvature[i]   ? out.thinParts
+                                                             : out.curvature;
+        cause += area[i];
+    }
+    for (double* share : {&out.curvature, &out.thinParts, &out.turned, &out.beside}) {
+        *share = all > 0 ? *share / all : 0;
+    }
+    return out;
 }
 
 } // namespace
@@ -210,8 +252,12 @@ ShellBoundary offsetInward(const RefinedSurface& surface, float thickness, const
     ShellBoundary boundary;
     boundary.thickness.assign(surface.points.size(), thickness);
     const std::vector<Vec3f> directions = offsetDirections(surface);
-    limitByCurvature(surface, directions, thickness, boundary.thickness);
-    limitByOppositeSide(surface, directions, thickness, boundary.thickness);
+    std::vector<float> byCurvature = boundary.thickness, byThinParts = boundary.thickness;
+    limitByCurvature(surface, directions, thickness, byCurvature);
+    limitByOppositeSide(surface, directions, thickness, byThinParts);
+    for (std::size_t i = 0; i < byCurvature.size(); ++i) {
+        boundary.thickness[i] = std::min(byCurvature[i], byThinParts[i]);
+    }
 
     const float least = leastShare * thickness;
     for (float& t : boundary.thickness) {
@@ -220,23 +266,23 @@ ShellBoundary offsetInward(const RefinedSurface& surface, float thickness, const
     const Spread spread(surface);
     spread.apply(thickness, boundary.thickness);
     offset(surface, directions, boundary);
-    for (int round = 0; round < 8 && lowerTurned(surface, least, boundary); ++round) {
+    std::vector<char> turned(surface.points.size(), 0);
+    for (int round = 0; round < 8 && lowerTurned(surface, least, boundary, turned); ++round) {
         spread.apply(thickness, boundary.thickness);
         offset(surface, directions, boundary);
     }
 
-    float lowest = thickness;
-    for (float t : boundary.thickness) {
-        boundary.clampedPoints += t < thickness * (1 - 1e-5f);
-        lowest = std::min(lowest, t);
-    }
+    boundary.clamping = explain(surface, thickness, byCurvature, byThinParts, turned, boundary);
     if (boundary.clampedPoints) {
-        char text[200];
+        const ShellClamping& c = boundary.clamping;
+        char text[400];
         std::snprintf(
             text, sizeof text,
-            "the shell is thinner than wanted at %d of %zu points (down to %.3g of %.3g units), where it would "
-            "fold over or meet the other side",
-            boundary.clampedPoints, surface.points.size(), double(lowest), double(thickness));
+            "the shell is thinner than wanted at %d of %zu points (down to %.3g of %.3g units), on %.2g %% of "
+            "the surface where it would fold over, %.2g %% where it would meet the other side, %.2g %% where "
+            "triangles would turn over and %.2g %% beside those",
+            boundary.clampedPoints, surface.points.size(), double(c.lowest), double(thickness), 100 * c.curvature,
+            100 * c.thinParts, 100 * c.turned, 100 * c.beside);
         report(messages, Severity::Warning, text);
     }
     return boundary;

@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "stfLib/acquire/mesh_reader.h"
-#include "stfLib/acquire/mesh_repair.h"
 #include "stfLib/base/parallel.h"
 #include "stfLib/volume/volume_io.h"
 #include "tools/stf/commands.h"
+#include "tools/stf/control_mesh_reader.h"
 #include "tools/stf/synthesis_json.h"
 #include "tools/stf/synthesis_sheet.h"
 #include "tools/stf/terminal_progress.h"
 #include "tools/stfrecord/atomicFile.h"
-#if HDSTF_WITH_OPENUSD
-#include "tools/stf/usd_mesh_reader.h"
-#endif
 
 #include <cstdio>
 #include <fstream>
@@ -30,53 +26,13 @@ struct Arguments {
     bool json = false;
 };
 
-/// All parts as one; triangles turned against their neighbours are turned back, for a surface has one outside.
-ControlMesh controlMesh(const std::vector<MeshPart>& parts, const std::string& scheme, const std::string& name,
-                        const MessageSink& messages) {
-    TriangleMesh whole;
-    for (const MeshPart& part : parts) {
-        append(whole, part.mesh);
-    }
-    const MendedMesh mended = repair(whole, name);
-    const MeshRepair& r = mended.repair;
-    if (r.turned + r.degenerate + r.duplicates + r.crowdedEdges > 0) {
-        messages(Severity::Warning, r.summary());
-    }
-    ControlMesh mesh;
-    mesh.scheme = scheme == "loop"           ? ControlMesh::Scheme::Loop
-                  : scheme == "catmullClark" ? ControlMesh::Scheme::CatmullClark
-                                             : ControlMesh::Scheme::None;
-    for (const Vec3d& p : mended.mesh.points) {
-        mesh.points.push_back(Vec3f(p));
-    }
-    for (const Vec3i& t : mended.mesh.triangles) {
-        mesh.faceVertexCounts.push_back(3);
-        mesh.faceVertexIndices.insert(mesh.faceVertexIndices.end(), {t.x, t.y, t.z});
-    }
-    return mesh;
-}
-
-double areaOf(const RefinedSurface& s) {
-    double sum = 0;
-    for (const Vec3i& t : s.triangles) {
-        const Vec3d p(s.points[std::size_t(t.x)]);
-        sum += 0.5 * length(cross(Vec3d(s.points[std::size_t(t.y)]) - p, Vec3d(s.points[std::size_t(t.z)]) - p));
-    }
-    return sum;
-}
-
 void run(const Arguments& a) {
     setThreadCount(a.threads);
     const MessageSink messages = [](Severity, const std::string& t) { std::fprintf(stderr, "%s\n", t.c_str()); };
     const MessageSink ofMesh = [&](Severity s, const std::string& t) { messages(s, a.mesh + ": " + t); };
     const BaseVolume volume = readBaseVolume(a.volume, messages);
-#if HDSTF_WITH_OPENUSD
-    const std::vector<MeshPart> parts = isUsdPath(a.mesh) ? readUsdMeshes(a.mesh, messages) : readMeshFile(a.mesh);
-#else
-    const std::vector<MeshPart> parts = readMeshFile(a.mesh);
-#endif
+    ControlMesh mesh = readControlMesh(a.mesh, a.scheme, messages);
     try {
-        ControlMesh mesh = controlMesh(parts, a.scheme, a.mesh, ofMesh);
         const std::string repairs = sanitize(mesh).summary();
         if (!repairs.empty()) {
             ofMesh(Severity::Warning, repairs);
@@ -91,7 +47,7 @@ void run(const Arguments& a) {
         }
         RefinedSurface surface = refine(mesh, refineOptions, ofMesh);
         const double texel = std::max(volume.voxelMm.x, volume.voxelMm.y);
-        const double area = areaOf(surface);
+        const double area = surfaceArea(surface);
         const double wanted = a.samples > 0 ? a.samples : kDefaultSamples;
         const double mmPerUnit =
             a.mmPerUnit > 0 ? a.mmPerUnit : std::sqrt(wanted / a.density * volume.voxelMm.x * volume.voxelMm.y / area);

@@ -19,6 +19,7 @@ void addCacheCommand(CLI::App& app);
 void addSlabCommand(CLI::App& app);
 void addMapCommand(CLI::App& app);
 void addMaterialsCommand(CLI::App& app);
+void addShellCommand(CLI::App& app);
 void addSynthesizeCommand(CLI::App& app);
 void addAcquireCommand(CLI::App& app);
 

@@ -18,6 +18,7 @@ int main(int argc, char** argv) {
     stf::addSlabCommand(app);
     stf::addMapCommand(app);
     stf::addMaterialsCommand(app);
+    stf::addShellCommand(app);
     stf::addSynthesizeCommand(app);
     stf::addAcquireCommand(app);
     try {

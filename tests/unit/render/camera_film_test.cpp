@@ -30,6 +30,15 @@ TEST(Camera, RaysGoThroughTheirPixel) {
     EXPECT_LT(c.ndcDepth(p), 1.0);
 }
 
+// A pixel of 1/50 of the image's height, seen with focal length 2, is a hundredth of its distance wide.
+TEST(Camera, AConeIsAsWideAsItsPixel) {
+    for (double offset : {0.0, 1e6}) {
+        const RayCone cone = perspective(offset).cone(0.01, -0.01, 0.02, 0.02);
+        EXPECT_NEAR(cone.at(20), 0.2, 0.002); // from the near plane, a tenth of a unit on
+        EXPECT_NEAR(cone.at(0), 0.001, 5e-5);
+    }
+}
+
 TEST(Camera, FarFromTheOrigin) {
     const Ray r = perspective(1e6).ray(0.5, 0.5);
     EXPECT_NEAR(r.direction.x / -r.direction.z, 0.25f, 1e-5f);

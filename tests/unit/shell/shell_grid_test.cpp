@@ -1,108 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "stfLib/shell/shell_grid.h"
-
 #include "stfLib/base/parallel.h"
-#include "tests/unit/surface/test_meshes.h"
+#include "tests/unit/shell/shell_fixture.h"
 
 #include <cstdio>
 #include <gtest/gtest.h>
-#include <random>
 
 using namespace stf;
 using namespace stf::test;
-
-namespace {
-
-struct Shell {
-    RefinedSurface surface;
-    ShellBoundary boundary;
-    ExemplarMap map;
-    ShellGrid grid;
-};
-
-RefinedSurface refined(ControlMesh mesh, float targetEdge = 0) {
-    sanitize(mesh);
-    RefineOptions options;
-    options.targetEdge = targetEdge;
-    return refine(mesh, options, {});
-}
-
-/// Coordinates given by a function of the surface point; gradients by two more.
-template<class Coords, class GradX, class GradY>
-ExemplarMap analyticMap(const RefinedSurface& s, Vec2d tile, const Coords& coords, const GradX& gradX,
-                        const GradY& gradY) {
-    ExemplarMap map;
-    map.tileMm = tile;
-    for (const Vec3i& t : s.triangles) {
-        for (int c = 0; c < 3; ++c) {
-            const Vec3d p(s.points[std::size_t(t[c])]);
-            const Vec2d xy = coords(p);
-            map.cornerCoords.push_back({float(xy.x), float(xy.y)});
-            map.gradientX.push_back(Vec3f(gradX(p)));
-            map.gradientY.push_back(Vec3f(gradY(p)));
-        }
-    }
-    return map;
-}
-
-ShellGrid build(const RefinedSurface& s, const ShellBoundary& b, const ExemplarMap& map, double mmPerUnit = 1,
-                float voxel = 0, const MessageSink& sink = {}) {
-    ShellGridOptions options;
-    options.mmPerUnit = mmPerUnit;
-    options.voxelSize = voxel;
-    Progress progress;
-    return ShellGrid::build(s, b, map, options, progress, sink);
-}
-
-Shell tiled(const ControlMesh& mesh, float thickness, Vec2d tile, float targetEdge = 0) {
-    Shell shell;
-    shell.surface = refined(mesh, targetEdge);
-    shell.boundary = offsetInward(shell.surface, thickness, {});
-    shell.map = tileByUv(shell.surface, tile, 1, {});
-    shell.grid = build(shell.surface, shell.boundary, shell.map);
-    return shell;
-}
-
-const Vec3d axisX(10, 0, 0), axisY(0, 7, 7);
-
-/// On a sphere about zero: coordinates linear in the direction, so constant along depth; smooth everywhere.
-Vec2d ballCoords(const Vec3d& p) {
-    return {dot(axisX, normalize(p)), dot(axisY, normalize(p))};
-}
-Vec3d ballGradient(const Vec3d& axis, const Vec3d& p) {
-    const Vec3d n = normalize(p);
-    return (axis - n * dot(axis, n)) / length(p);
-}
-
-Shell ball(double mmPerUnit = 1, double radius = 1, Vec2d tile = {3, 4}) {
-    Shell shell;
-    shell.surface = refined(sphere(32, radius));
-    shell.boundary = offsetInward(shell.surface, float(0.1 * radius), {});
-    shell.map = analyticMap(
-        shell.surface, tile, ballCoords, [](const Vec3d& p) { return ballGradient(axisX, p); },
-        [](const Vec3d& p) { return ballGradient(axisY, p); });
-    shell.grid = build(shell.surface, shell.boundary, shell.map, mmPerUnit);
-    return shell;
-}
-
-double wrapped(double d, double tile) {
-    return std::abs(d - tile * std::round(d / tile));
-}
-
-class Points {
-public:
-    explicit Points(unsigned seed) : random_(seed) {}
-    double uniform(double lo, double hi) { return std::uniform_real_distribution<double>(lo, hi)(random_); }
-    Vec3d direction() {
-        std::normal_distribution<double> normal;
-        return normalize(Vec3d(normal(random_), normal(random_), normal(random_)));
-    }
-
-private:
-    std::mt19937 random_;
-};
-
-} // namespace
 
 TEST(ShellGrid, DepthOfASphereIsRadiusMinusDistance) {
     const double mm = 25;
@@ -440,14 +344,14 @@ TEST(ShellGrid, TooFineAVoxelSizeIsRaisedWithAMessage) {
     Messages messages;
     ShellGridOptions options;
     options.voxelSize = 1e-4f;
-    options.maxSamples = 50000;
+    options.maxBytes = 2 << 20;
     Progress progress;
     const ShellGrid grid =
         ShellGrid::build(s, offsetInward(s, 0.05f, {}), tileByUv(s, {1, 1}, 1, {}), options, progress, messages.sink());
-    EXPECT_TRUE(messages.has("to stay below 50000 samples"));
-    EXPECT_LT(grid.sampleCount(), 60000u);
-    EXPECT_GT(grid.sampleCount(), 30000u);
-    EXPECT_GT(grid.memoryBytes(), grid.sampleCount() * 64);
+    EXPECT_TRUE(messages.has("to stay within 2 MB")) << messages.text;
+    EXPECT_LT(grid.memoryBytes(), std::size_t(2.3 * (1 << 20)));
+    EXPECT_GT(grid.memoryBytes(), std::size_t(1) << 20);
+    EXPECT_GT(grid.memoryBytes(), grid.sampleCount() * 32);
 }
 
 TEST(ShellGrid, OneSlantedTriangleDoesNotFillItsBox) {
@@ -459,7 +363,7 @@ TEST(ShellGrid, OneSlantedTriangleDoesNotFillItsBox) {
     mesh.uvIndices = {0, 1, 2};
     const Shell shell = tiled(mesh, 0.02f, {0.5, 0.5});
     // Area sqrt(3) / 2, thickness 8 voxels and 1.8 beyond both sides, voxel 0.0025.
-    EXPECT_NEAR(double(shell.grid.sampleCount()), std::sqrt(3.0) / 2 * 0.029 / std::pow(0.0025, 3), 3e4);
+    EXPECT_NEAR(double(shell.grid.levels().front().samples), std::sqrt(3.0) / 2 * 0.029 / std::pow(0.0025, 3), 3e4);
     ShellGrid::Accessor accessor(shell.grid);
     ShellLookup l;
     const Vec3f n = normalize(Vec3f(1));

@@ -153,3 +153,24 @@ TEST(OffsetInward, RefusesNonsense) {
     EXPECT_THROW(offsetInward(s, -1, {}), Error);
     EXPECT_THROW(offsetInward(s, std::nanf(""), {}), Error);
 }
+
+// Each cause has its share of the surface.
+TEST(OffsetInward, SaysWhyTheShellIsThinner) {
+    const ShellClamping whole = offsetInward(refined(sphere(24)), 0.1f, {}).clamping;
+    EXPECT_EQ(whole.total(), 0);
+    EXPECT_FLOAT_EQ(whole.lowest, 0.1f);
+
+    // A tube of radius 0.4 folds over long before its far side is met by rays of 0.45 of the way.
+    const ShellClamping tube = offsetInward(refined(torus(1, 0.4, 96, 48)), 0.39f, {}).clamping;
+    EXPECT_NEAR(tube.curvature + tube.thinParts, 1, 1e-6);
+    EXPECT_LE(tube.lowest, 0.37f);
+
+    ControlMesh plate = cube(ControlMesh::Scheme::None);
+    for (Vec3f& p : plate.points) {
+        p.z *= 0.05f;
+    }
+    const ShellClamping thin = offsetInward(refined(plate, 0.1f), 0.2f, {}).clamping;
+    EXPECT_GT(thin.thinParts, 0.8); // its faces
+    EXPECT_LT(thin.lowest, 0.046f);
+    EXPECT_LE(thin.total(), 1 + 1e-9);
+}

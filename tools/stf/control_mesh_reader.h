@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "stfLib/surface/refined_surface.h"
+
+#include <string>
+
+namespace stf {
+
+/// All meshes of an OBJ, PLY, STL, OFF or USD file as one, without texture coordinates. `scheme`: none, loop or
+/// catmullClark. Throws Error with a message that starts with the path.
+ControlMesh readControlMesh(const std::string& path, const std::string& scheme, const MessageSink& messages);
+
+/// Square object units.
+double surfaceArea(const RefinedSurface& surface);
+
+} // namespace stf
