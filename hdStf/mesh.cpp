@@ -4,6 +4,7 @@
 #include "hdStf/bindingReader.h"
 #include "hdStf/conversions.h"
 #include "hdStf/instancer.h"
+#include "hdStf/material.h"
 #include "hdStf/renderParam.h"
 #include "hdStf/tokens.h"
 
@@ -20,7 +21,8 @@ HdDirtyBits HdStfMesh::GetInitialDirtyBitsMask() const {
     return HdChangeTracker::InitRepr | HdChangeTracker::DirtyPoints | HdChangeTracker::DirtyTopology |
            HdChangeTracker::DirtySubdivTags | HdChangeTracker::DirtyDisplayStyle | HdChangeTracker::DirtyNormals |
            HdChangeTracker::DirtyPrimvar | HdChangeTracker::DirtyTransform | HdChangeTracker::DirtyVisibility |
-           HdChangeTracker::DirtyInstancer | HdChangeTracker::DirtyInstanceIndex | HdChangeTracker::DirtyPrimID;
+           HdChangeTracker::DirtyInstancer | HdChangeTracker::DirtyInstanceIndex | HdChangeTracker::DirtyPrimID |
+           HdChangeTracker::DirtyMaterialId;
 }
 
 void HdStfMesh::_InitRepr(TfToken const& reprToken, HdDirtyBits* /*dirtyBits*/) {
@@ -41,7 +43,8 @@ void HdStfMesh::Sync(HdSceneDelegate* sceneDelegate, HdRenderParam* renderParam,
     _UpdateInstancer(sceneDelegate, dirtyBits);
     HdInstancer::_SyncInstancerAndParents(sceneDelegate->GetRenderIndex(), GetInstancerId());
 #endif
-    changes.mesh = _data.Pull(*this, sceneDelegate, bits, param.GetMessages());
+    const TfToken uvPrimvar = _PullMaterial(sceneDelegate, bits, changes);
+    changes.mesh = _data.Pull(*this, sceneDelegate, bits, uvPrimvar, param.GetMessages());
     if (bits & HdChangeTracker::DirtyPrimvar) {
         _PullBinding(sceneDelegate, param, changes);
     }
@@ -70,6 +73,18 @@ void HdStfMesh::_PullBinding(HdSceneDelegate* sceneDelegate, HdStfRenderParam& p
     std::optional<stf::StfBinding> binding = HdStfReadBinding(GetId(), primvars, param.GetMessages());
     changes.binding = !(binding == _binding);
     _binding = std::move(binding);
+}
+
+/// The primvar that the bound material's textures are read by.
+TfToken HdStfMesh::_PullMaterial(HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits, _Changes& changes) {
+    if (dirtyBits & HdChangeTracker::DirtyMaterialId) {
+        const SdfPath material = sceneDelegate->GetMaterialId(GetId());
+        changes.material = material != _material;
+        _material = material;
+    }
+    HdSprim* sprim =
+        _material.IsEmpty() ? nullptr : sceneDelegate->GetRenderIndex().GetSprim(HdPrimTypeTokens->material, _material);
+    return sprim ? static_cast<HdStfMaterial*>(sprim)->GetUvPrimvar() : TfToken();
 }
 
 void HdStfMesh::_PullInstances(HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits, _Changes& changes) {
@@ -108,7 +123,7 @@ void HdStfMesh::_Send(HdStfRenderParam& param, _Changes changes) {
         return;
     }
     if (!_inScene) {
-        changes = {true, true, true, true, true};
+        changes = {true, true, true, true, true, true};
     }
     if (!changes.Any()) {
         return;
@@ -126,6 +141,9 @@ void HdStfMesh::_Send(HdStfRenderParam& param, _Changes changes) {
     }
     if (changes.visible) {
         scene.setVisible(id, _visible && _drawn);
+    }
+    if (changes.material) {
+        scene.setMeshMaterial(id, _material.GetString());
     }
     if (changes.primId) {
         _sentPrimId = GetPrimId();

@@ -54,10 +54,12 @@ private:
         bool instances = false;
         bool visible = false;
         bool primId = false;
-        bool Any() const { return mesh || binding || instances || visible || primId; }
+        bool material = false;
+        bool Any() const { return mesh || binding || instances || visible || primId || material; }
     };
 
     void _PullBinding(HdSceneDelegate* sceneDelegate, HdStfRenderParam& param, _Changes& changes);
+    TfToken _PullMaterial(HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits, _Changes& changes);
     void _PullInstances(HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits, _Changes& changes);
     void _Send(HdStfRenderParam& param, _Changes changes);
 
@@ -66,6 +68,7 @@ private:
     GfMatrix4d _transform{1.0};
     std::vector<stf::MeshInstance> _instances;
     int _sentPrimId = -1;
+    SdfPath _material;
     bool _visible = true;
     bool _drawn = true;
     bool _inScene = false;

@@ -25,7 +25,10 @@ constexpr std::array<HdInterpolation, 5> _interpolations = {HdInterpolationConst
                                                             HdInterpolationFaceVarying};
 
 /// How much a primvar looks like the texture coordinates: 0 not at all, the higher the better.
-int _UvRank(HdPrimvarDescriptor const& primvar) {
+int _UvRank(HdPrimvarDescriptor const& primvar, TfToken const& wanted) {
+    if (!wanted.IsEmpty() && primvar.name == wanted) {
+        return 10;
+    }
     static char const* const names[] = {"UVMap", "st0", "uv", "st"};
     for (int i = 0; i < 4; ++i) {
         if (primvar.name == names[i]) {
@@ -96,10 +99,10 @@ std::vector<int> HdStfWeldUvs(VtIntArray const& faceVertexIndices, std::vector<s
 }
 
 bool HdStfMeshData::Pull(HdMesh const& mesh, HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits,
-                         HdStfMessages& messages) {
+                         TfToken const& uvPrimvar, HdStfMessages& messages) {
     bool changed = _PullTopology(mesh, sceneDelegate, dirtyBits);
     changed |= _PullPoints(mesh, sceneDelegate, dirtyBits);
-    changed |= _PullPrimvars(mesh, sceneDelegate, dirtyBits, messages);
+    changed |= _PullPrimvars(mesh, sceneDelegate, dirtyBits, uvPrimvar, messages);
     return changed;
 }
 
@@ -149,7 +152,7 @@ bool HdStfMeshData::_PullPoints(HdMesh const& mesh, HdSceneDelegate* sceneDelega
 }
 
 bool HdStfMeshData::_PullPrimvars(HdMesh const& mesh, HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits,
-                                  HdStfMessages& messages) {
+                                  TfToken const& uvPrimvar, HdStfMessages& messages) {
     SdfPath const& id = mesh.GetId();
     const bool primvarsDirty = dirtyBits & HdChangeTracker::DirtyPrimvar;
     const bool normalsDirty = HdChangeTracker::IsPrimvarDirty(dirtyBits, id, HdTokens->normals);
@@ -175,10 +178,10 @@ bool HdStfMeshData::_PullPrimvars(HdMesh const& mesh, HdSceneDelegate* sceneDele
             } else if (primvar.name == HdStfPrimvarTokens->orientation) {
                 orientation = &primvar;
             } else if (primvar.interpolation != HdInterpolationConstant &&
-                       primvar.interpolation != HdInterpolationUniform && _UvRank(primvar) > 0) {
-                const bool better =
-                    !uv || _UvRank(primvar) > _UvRank(*uv) ||
-                    (_UvRank(primvar) == _UvRank(*uv) && primvar.name.GetString() < uv->name.GetString());
+                       primvar.interpolation != HdInterpolationUniform && _UvRank(primvar, uvPrimvar) > 0) {
+                const bool better = !uv || _UvRank(primvar, uvPrimvar) > _UvRank(*uv, uvPrimvar) ||
+                                    (_UvRank(primvar, uvPrimvar) == _UvRank(*uv, uvPrimvar) &&
+                                     primvar.name.GetString() < uv->name.GetString());
                 uv = better ? &primvar : uv;
             }
         }

@@ -25,8 +25,10 @@ class HdStfMessages;
 /// Threading: none of its own; each mesh has one.
 class HdStfMeshData {
 public:
-    /// Pulls what \p dirtyBits say is dirty, each value once. True if something differs from what is held.
-    bool Pull(HdMesh const& mesh, HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits, HdStfMessages& messages);
+    /// Pulls what \p dirtyBits say is dirty, each value once. True if something differs from what is held. Texture
+    /// coordinates are the primvar \p uvPrimvar where there is one of that name, else what looks most like them.
+    bool Pull(HdMesh const& mesh, HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits, TfToken const& uvPrimvar,
+              HdStfMessages& messages);
 
     bool IsEmpty() const { return _topology.GetFaceVertexCounts().empty() || _points.empty(); }
     int GetRefineLevel() const { return _refineLevel; }
@@ -45,7 +47,7 @@ private:
     bool _PullTopology(HdMesh const& mesh, HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits);
     bool _PullPoints(HdMesh const& mesh, HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits);
     bool _PullPrimvars(HdMesh const& mesh, HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits,
-                       HdStfMessages& messages);
+                       TfToken const& uvPrimvar, HdStfMessages& messages);
 
     HdMeshTopology _topology;
     int _refineLevel = 0;

@@ -235,6 +235,8 @@ stf::RenderSettings HdStfRenderDelegate::GetStfSettings() const {
     settings.samples = GetRenderSetting<int>(HdStfRenderSettingsTokens->samples, settings.samples);
     settings.seed = static_cast<uint64_t>(GetRenderSetting<int>(HdStfRenderSettingsTokens->seed, 0));
     settings.threads = GetRenderSetting<int>(HdStfRenderSettingsTokens->threads, settings.threads);
+    settings.maxDepth = GetRenderSetting<int>(HdStfRenderSettingsTokens->maxDepth, settings.maxDepth);
+    settings.indirectClamp = GetRenderSetting<float>(HdStfRenderSettingsTokens->indirectClamp, settings.indirectClamp);
     settings.quality = GetRenderSetting<float>(HdStfRenderSettingsTokens->quality, settings.quality);
     settings.transport = GetRenderSetting<std::string>(HdStfRenderSettingsTokens->transport, settings.transport);
     return settings;

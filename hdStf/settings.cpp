@@ -47,6 +47,13 @@ VtValue _InRange(TfToken const& key, VtValue const& value) {
     if (key == HdStfRenderSettingsTokens->threads) {
         return VtValue(std::max(0, value.UncheckedGet<int>()));
     }
+    if (key == HdStfRenderSettingsTokens->maxDepth) {
+        return VtValue(std::max(0, value.UncheckedGet<int>()));
+    }
+    if (key == HdStfRenderSettingsTokens->indirectClamp) {
+        const float most = value.UncheckedGet<float>();
+        return most >= 0 && std::isfinite(most) ? value : VtValue();
+    }
     if (key == HdStfRenderSettingsTokens->quality) {
         const float quality = value.UncheckedGet<float>();
         return quality > 0 && std::isfinite(quality) ? value : VtValue();
@@ -73,6 +80,10 @@ HdRenderSettingDescriptorList HdStfMakeSettingDescriptors() {
          VtValue(static_cast<float>(_EnvNumber("HDSTF_QUALITY", 0.02)))},
         {"Form of transport (dE1, classic)", HdStfRenderSettingsTokens->transport,
          VtValue(TfGetenv("HDSTF_TRANSPORT", "dE1"))},
+        {"Bounces off surfaces without a shell", HdStfRenderSettingsTokens->maxDepth,
+         VtValue(static_cast<int>(_EnvNumber("HDSTF_MAX_DEPTH", 4)))},
+        {"Most light of a bounced path (0 = no limit)", HdStfRenderSettingsTokens->indirectClamp,
+         VtValue(static_cast<float>(_EnvNumber("HDSTF_INDIRECT_CLAMP", 0)))},
         {"Threads (0 = all cores)", HdStfRenderSettingsTokens->threads,
          VtValue(static_cast<int>(_EnvNumber("HDSTF_THREADS", 0)))},
         {"Metres per scene unit", HdStfRenderSettingsTokens->stageMetersPerUnit,
@@ -81,7 +92,8 @@ HdRenderSettingDescriptorList HdStfMakeSettingDescriptors() {
     // The environment obeys the same ranges as everybody.
     for (HdRenderSettingDescriptor& descriptor : list) {
         if (_InRange(descriptor.key, descriptor.defaultValue).IsEmpty()) {
-            descriptor.defaultValue = descriptor.key == HdStfRenderSettingsTokens->quality ? VtValue(0.02f)
+            descriptor.defaultValue = descriptor.key == HdStfRenderSettingsTokens->quality         ? VtValue(0.02f)
+                                      : descriptor.key == HdStfRenderSettingsTokens->indirectClamp ? VtValue(0.0f)
                                       : descriptor.key == HdStfRenderSettingsTokens->transport
                                           ? VtValue(std::string("dE1"))
                                           : VtValue(0.01);

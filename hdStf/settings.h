@@ -7,7 +7,8 @@
 PXR_NAMESPACE_OPEN_SCOPE
 
 /// The render settings the delegate offers. Defaults come from the environment where it says something
-/// (HDSTF_SAMPLES, HDSTF_SEED, HDSTF_QUALITY, HDSTF_THREADS, HDSTF_STAGE_METERS_PER_UNIT).
+/// (HDSTF_SAMPLES, HDSTF_SEED, HDSTF_QUALITY, HDSTF_THREADS, HDSTF_MAX_DEPTH, HDSTF_INDIRECT_CLAMP,
+/// HDSTF_STAGE_METERS_PER_UNIT).
 HdRenderSettingDescriptorList HdStfMakeSettingDescriptors();
 
 /// The value in the type of the setting's default and within its range; empty if it cannot be had (a wrong type, not

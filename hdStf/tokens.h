@@ -9,7 +9,8 @@ PXR_NAMESPACE_OPEN_SCOPE
 /// Render settings (docs/settings.md).
 #define HDSTF_RENDER_SETTINGS_TOKENS                                                                                   \
     ((samples, "stf:samples"))((seed, "stf:seed"))((quality, "stf:quality"))((transport, "stf:transport"))(            \
-        (threads, "stf:threads"))((stageMetersPerUnit, "stageMetersPerUnit"))
+        (threads, "stf:threads"))((maxDepth, "stf:maxDepth"))((indirectClamp, "stf:indirectClamp"))(                   \
+        (stageMetersPerUnit, "stageMetersPerUnit"))
 
 /// Constant primvars of StfShellAPI, as Hydra delivers them (without `primvars:`).
 #define HDSTF_PRIMVAR_TOKENS                                                                                           \
@@ -31,9 +32,15 @@ PXR_NAMESPACE_OPEN_SCOPE
 /// Names a material network may be authored for.
 #define HDSTF_MATERIAL_TOKENS (stf)
 
+/// Nodes and inputs of UsdPreviewSurface networks.
+#define HDSTF_NETWORK_TOKENS                                                                                           \
+    (                                                                                                                  \
+        surface)(UsdPreviewSurface)(UsdUVTexture)(UsdTransform2d)(diffuseColor)(emissiveColor)(useSpecularWorkflow)(specularColor)(metallic)(roughness)(clearcoat)(clearcoatRoughness)(opacity)(opacityThreshold)(opacityMode)(ior)(normal)(displacement)(occlusion)(file)(st)(wrapS)(wrapT)(sourceColorSpace)(scale)(bias)(fallback)(rotation)(translation)(in)(varname)(displayColor)
+
 TF_DECLARE_PUBLIC_TOKENS(HdStfRenderSettingsTokens, , HDSTF_RENDER_SETTINGS_TOKENS);
 TF_DECLARE_PUBLIC_TOKENS(HdStfPrimvarTokens, , HDSTF_PRIMVAR_TOKENS);
 TF_DECLARE_PUBLIC_TOKENS(HdStfStatsTokens, , HDSTF_STATS_TOKENS);
 TF_DECLARE_PUBLIC_TOKENS(HdStfMaterialTokens, , HDSTF_MATERIAL_TOKENS);
+TF_DECLARE_PUBLIC_TOKENS(HdStfNetworkTokens, , HDSTF_NETWORK_TOKENS);
 
 PXR_NAMESPACE_CLOSE_SCOPE

@@ -127,66 +127,123 @@ ShapeSample AreaShape::sampleDisk(const Vec3d& p, Vec2f u) const {
     return toPoint(p, centre_ + x_ * (r * std::cos(phi)) + y_ * (r * std::sin(phi)), normal_ * area_);
 }
 
-ShapeSample AreaShape::sampleRect(const Vec3d& p, Vec2f u) const {
-    ShapeSample none;
-    const Vec3d corner = centre_ - x_ - y_;
-    const double height = dot(p - centre_, normal_);
-    if (!(height > 0)) {
-        return none;
-    }
-    const auto byArea = [&] {
-        return toPoint(p, corner + x_ * (2 * double(u.x)) + y_ * (2 * double(u.y)), normal_ * area_);
-    };
+/// A rectangle as seen from a point, in axes of its own.
+struct AreaShape::SphericalRect {
+    Vec3d ax, ay, az;
+    double x0, x1, y0, y1, z0; ///< of its corners; z0 < 0
+    double b0, b1, k, solid;
+};
+
+// False where the formulas do not hold or would cancel: it is sampled by area then.
+bool AreaShape::sphericalRect(const Vec3d& p, SphericalRect& r) const {
     if (!square_ || area_ < kSmall * dot(p - centre_, p - centre_)) {
-        return byArea();
+        return false;
     }
     const double lengthX = 2 * length(x_), lengthY = 2 * length(y_);
-    const Vec3d ax = x_ * (2 / lengthX), ay = y_ * (2 / lengthY), az = normal_; // towards the point: z0 < 0
-    const Vec3d d = corner - p;
-    const double z0 = dot(d, az), x0 = dot(d, ax), y0 = dot(d, ay), x1 = x0 + lengthX, y1 = y0 + lengthY;
+    r.ax = x_ * (2 / lengthX);
+    r.ay = y_ * (2 / lengthY);
+    r.az = normal_; // towards the point
+    const Vec3d d = centre_ - x_ - y_ - p;
+    r.z0 = dot(d, r.az);
+    r.x0 = dot(d, r.ax);
+    r.y0 = dot(d, r.ay);
+    r.x1 = r.x0 + lengthX;
+    r.y1 = r.y0 + lengthY;
     const auto edge = [](const Vec3d& a, const Vec3d& b) { return normalize(cross(a, b)); };
-    const Vec3d v00(x0, y0, z0), v01(x0, y1, z0), v10(x1, y0, z0), v11(x1, y1, z0);
+    const Vec3d v00(r.x0, r.y0, r.z0), v01(r.x0, r.y1, r.z0), v10(r.x1, r.y0, r.z0), v11(r.x1, r.y1, r.z0);
     const Vec3d n0 = edge(v00, v10), n1 = edge(v10, v11), n2 = edge(v11, v01), n3 = edge(v01, v00);
     const auto angle = [](const Vec3d& a, const Vec3d& b) { return std::acos(std::clamp(-dot(a, b), -1.0, 1.0)); };
-    const double g2 = angle(n2, n3), g3 = angle(n3, n0), k = 2 * kPi - g2 - g3;
-    const double solid = angle(n0, n1) + angle(n1, n2) - k;
-    if (!(solid > kSmall)) {
-        return byArea();
+    const double g2 = angle(n2, n3), g3 = angle(n3, n0);
+    r.k = 2 * kPi - g2 - g3;
+    r.solid = angle(n0, n1) + angle(n1, n2) - r.k;
+    r.b0 = n0.z;
+    r.b1 = n2.z;
+    return r.solid > kSmall;
+}
+
+ShapeSample AreaShape::sampleRect(const Vec3d& p, Vec2f u) const {
+    const double height = dot(p - centre_, normal_);
+    if (!(height > 0)) {
+        return {};
     }
-    const double au = double(u.x) * solid + k, b0 = n0.z, b1 = n2.z;
-    const double fu = (std::cos(au) * b0 - b1) / std::sin(au);
-    const double cu = std::clamp(std::copysign(1 / std::sqrt(fu * fu + b0 * b0), fu), -1.0, 1.0);
-    const double xu = std::clamp(-(cu * z0) / std::max(std::sqrt(1 - cu * cu), 1e-12), x0, x1);
-    const double dd = std::sqrt(xu * xu + z0 * z0);
-    const double h0 = y0 / std::sqrt(dd * dd + y0 * y0), h1 = y1 / std::sqrt(dd * dd + y1 * y1);
+    SphericalRect r;
+    if (!sphericalRect(p, r)) {
+        const Vec3d at = centre_ + x_ * (2 * double(u.x) - 1) + y_ * (2 * double(u.y) - 1);
+        return toPoint(p, at, normal_ * area_);
+    }
+    const double au = double(u.x) * r.solid + r.k;
+    const double fu = (std::cos(au) * r.b0 - r.b1) / std::sin(au);
+    const double cu = std::clamp(std::copysign(1 / std::sqrt(fu * fu + r.b0 * r.b0), fu), -1.0, 1.0);
+    const double xu = std::clamp(-(cu * r.z0) / std::max(std::sqrt(1 - cu * cu), 1e-12), r.x0, r.x1);
+    const double dd = std::sqrt(xu * xu + r.z0 * r.z0);
+    const double h0 = r.y0 / std::sqrt(dd * dd + r.y0 * r.y0), h1 = r.y1 / std::sqrt(dd * dd + r.y1 * r.y1);
     const double hv = h0 + double(u.y) * (h1 - h0);
-    const double yv = hv * hv < 1 - 1e-9 ? std::clamp(hv * dd / std::sqrt(1 - hv * hv), y0, y1) : y1;
-    const Vec3d way = ax * xu + ay * yv + az * z0;
+    const double yv = hv * hv < 1 - 1e-9 ? std::clamp(hv * dd / std::sqrt(1 - hv * hv), r.y0, r.y1) : r.y1;
+    const Vec3d way = r.ax * xu + r.ay * yv + r.az * r.z0;
     ShapeSample s;
     s.distance = float(length(way));
     s.towards = Vec3f(normalize(way));
-    s.solidAngle = float(solid);
+    s.solidAngle = float(r.solid);
     return s;
 }
 
-ShapeSample AreaShape::sampleCylinder(const Vec3d& p, Vec2f u) const {
-    // The point in the cylinder's own coordinates, where it is round: tangents stay tangents.
+// Half the angle of the side that a point sees, in the cylinder's own coordinates, where it is round and tangents stay
+// tangents, and the middle of that side. False from inside, or in front of a cap that does not shine.
+bool AreaShape::cylinderSide(const Vec3d& p, double& half, double& towards) const {
     const double volume = dot(x_, cross(y_, z_));
     if (!(std::abs(volume) > 0)) {
-        return {};
+        return false;
     }
     const Vec3d d = p - centre_;
     const double py = dot(d, cross(z_, x_)) / volume, pz = dot(d, cross(x_, y_)) / volume;
     const double rho = std::hypot(py, pz);
     if (!(rho > 1)) {
-        return {}; // inside, or in front of a cap that does not shine
+        return false;
     }
-    const double half = std::acos(1 / rho), phi = std::atan2(pz, py) + (2 * double(u.x) - 1) * half;
-    const double along = 2 * double(u.y) - 1;
+    half = std::acos(1 / rho);
+    towards = std::atan2(pz, py);
+    return true;
+}
+
+// Of area, per angle and along, outward.
+Vec3d AreaShape::cylinderElement(double phi) const {
     const Vec3d radial = y_ * std::cos(phi) + z_ * std::sin(phi), turn = z_ * std::cos(phi) - y_ * std::sin(phi);
-    Vec3d element = cross(turn, x_); // of area, per angle and along
-    element = dot(element, radial) < 0 ? -element : element;
-    return toPoint(p, centre_ + x_ * along + radial, element * (2 * half * 2));
+    const Vec3d element = cross(turn, x_);
+    return dot(element, radial) < 0 ? -element : element;
+}
+
+ShapeSample AreaShape::sampleCylinder(const Vec3d& p, Vec2f u) const {
+    double half = 0, middle = 0;
+    if (!cylinderSide(p, half, middle)) {
+        return {};
+    }
+    const double phi = middle + (2 * double(u.x) - 1) * half, along = 2 * double(u.y) - 1;
+    const Vec3d radial = y_ * std::cos(phi) + z_ * std::sin(phi);
+    return toPoint(p, centre_ + x_ * along + radial, cylinderElement(phi) * (2 * half * 2));
+}
+
+float AreaShape::solidAngle(const Vec3f& point, const Vec3f& direction, float distance) const {
+    const Vec3d p(point), at = p + Vec3d(direction) * double(distance);
+    switch (type_) {
+    case Light::Type::Sphere:
+        return sampleSphere(p, {}).solidAngle;
+    case Light::Type::Rect: {
+        SphericalRect r;
+        return sphericalRect(p, r) ? float(r.solid) : toPoint(p, at, normal_ * area_).solidAngle;
+    }
+    case Light::Type::Disk:
+        return toPoint(p, at, normal_ * area_).solidAngle;
+    default: {
+        double half = 0, middle = 0;
+        if (!cylinderSide(p, half, middle)) {
+            return 0;
+        }
+        const double volume = dot(x_, cross(y_, z_));
+        const Vec3d d = at - centre_;
+        const double phi = std::atan2(dot(d, cross(x_, y_)) / volume, dot(d, cross(z_, x_)) / volume);
+        return toPoint(p, at, cylinderElement(phi) * (2 * half * 2)).solidAngle;
+    }
+    }
 }
 
 float AreaShape::intersect(const Vec3f& o, const Vec3f& dir) const {

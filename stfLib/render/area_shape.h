@@ -28,6 +28,8 @@ public:
     /// King 2013, "An Area-Preserving Parametrization for Spherical Rectangles"), uniform in area for disks, and for
     /// cylinders in area of the half that is seen. Solid angle 0 where the point is behind or inside.
     ShapeSample sample(const Vec3f& point, Vec2f u) const;
+    /// 1 / density with which `sample` chooses the point that `intersect` finds at `distance` along a unit direction.
+    float solidAngle(const Vec3f& point, const Vec3f& direction, float distance) const;
     /// Distance along a ray (unit direction) to the emitting side, or infinity.
     float intersect(const Vec3f& origin, const Vec3f& direction) const;
     /// Bounds, and the middle of them.
@@ -37,6 +39,10 @@ public:
 
 private:
     ShapeSample sampleSphere(const Vec3d& point, Vec2f u) const;
+    Vec3d cylinderElement(double phi) const;
+    bool cylinderSide(const Vec3d& point, double& half, double& towards) const;
+    struct SphericalRect;
+    bool sphericalRect(const Vec3d& point, SphericalRect& rect) const;
     ShapeSample sampleRect(const Vec3d& point, Vec2f u) const;
     ShapeSample sampleDisk(const Vec3d& point, Vec2f u) const;
     ShapeSample sampleCylinder(const Vec3d& point, Vec2f u) const;

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stfLib/render/dome_light.h"
 
+#include "stfLib/base/hemisphere.h"
+
 namespace stf {
 
 namespace {
 constexpr float kPi = 3.14159265358979f;
+constexpr float kImagePart = 0.5f; // of directions that go by a texture's brightness
 
 // USD: a dome's texture has its north pole on +y, and longitude grows so that the middle of the image is at -z.
 Vec2f latLong(const Vec3f& d) {
@@ -108,34 +111,29 @@ Rgb DomeLight::radiance(const Vec3f& towards) const {
     return lookUp(normalize(Vec3f(worldToLight_.vector(Vec3d(towards)))));
 }
 
-Rgb DomeLight::sample(const Vec3f& normal, Vec2f u, Vec3f& towards) const {
+float DomeLight::density(const Vec3f& normal, const Vec3f& towards) const {
+    const float imagePart = rowCdf_.empty() ? 0.0f : kImagePart;
+    float sum = (1 - imagePart) * mixedHemisphereDensity(dot(normal, towards));
+    if (imagePart > 0) {
+        sum += imagePart * imageDensity(normalize(Vec3f(worldToLight_.vector(Vec3d(towards)))));
+    }
+    return sum;
+}
+
+Rgb DomeLight::sample(const Vec3f& normal, Vec2f u, Vec3f& towards, float& chosen) const {
     // One sample of a mixture, weighted by the density of the whole mixture (balance heuristic). The uniform part
     // bounds the weight where the shell at some depth faces another way than the entry point.
-    const bool textured = !rowCdf_.empty();
-    const float imagePart = textured ? 0.5f : 0.0f, cosinePart = 0.75f * (1 - imagePart),
-                uniformPart = 1 - imagePart - cosinePart;
+    const float imagePart = rowCdf_.empty() ? 0.0f : kImagePart;
     if (u.x < imagePart) {
-        u.x /= imagePart;
-        towards = normalize(Vec3f(lightToWorld_.vector(Vec3d(sampleImage(u)))));
+        towards = normalize(Vec3f(lightToWorld_.vector(Vec3d(sampleImage({u.x / imagePart, u.y})))));
     } else {
         Vec3f t, b;
         orthonormalBasis(normal, t, b);
-        float cosTheta = 0;
-        if (u.x < imagePart + cosinePart) {
-            cosTheta = std::sqrt(std::max(0.0f, 1 - (u.x - imagePart) / cosinePart));
-        } else {
-            cosTheta = std::max(0.0f, 1 - (u.x - imagePart - cosinePart) / uniformPart);
-        }
-        const float r = std::sqrt(std::max(0.0f, 1 - cosTheta * cosTheta)), phi = 2 * kPi * u.y;
-        towards = normalize(t * (r * std::cos(phi)) + b * (r * std::sin(phi)) + normal * cosTheta);
+        const Vec3f d = mixedHemisphere({(u.x - imagePart) / (1 - imagePart), u.y});
+        towards = normalize(t * d.x + b * d.y + normal * d.z);
     }
-    const Vec3f inLight = normalize(Vec3f(worldToLight_.vector(Vec3d(towards))));
-    const float cosine = dot(normal, towards);
-    float density = cosine > 0 ? cosinePart * cosine / kPi + uniformPart / (2 * kPi) : 0.0f;
-    if (textured) {
-        density += imagePart * imageDensity(inLight);
-    }
-    return density > 1e-9f ? lookUp(inLight) / density : Rgb(0.0f);
+    chosen = density(normal, towards);
+    return chosen > 1e-9f ? radiance(towards) / chosen : Rgb(0.0f);
 }
 
 } // namespace stf

@@ -18,8 +18,10 @@ public:
     /// Radiance that comes from a direction (unit, world).
     Rgb radiance(const Vec3f& towards) const;
     /// A direction for a surface of this normal: by its cosine and, with a texture, by brightness too (balance
-    /// heuristic; Veach 1997). Returns the estimate of the perpendicular irradiance, radiance over density.
-    Rgb sample(const Vec3f& normal, Vec2f u, Vec3f& towards) const;
+    /// heuristic; Veach 1997). Returns the estimate of the perpendicular irradiance, radiance over `density`.
+    Rgb sample(const Vec3f& normal, Vec2f u, Vec3f& towards, float& density) const;
+    /// Per solid angle, with which `sample` chooses a direction (unit, world).
+    float density(const Vec3f& normal, const Vec3f& towards) const;
 
 private:
     Rgb lookUp(const Vec3f& lightDirection) const;

@@ -8,91 +8,14 @@ namespace stf {
 
 namespace {
 
-constexpr float kPi = 3.14159265358979f;
-constexpr int kMaxSurfaces = 64;     // of transparent shells along one ray
-constexpr int kMaxLightsPerPath = 4; // more are chosen from at random, so that cost stays bounded
-/// A dome is half hidden by the ground and by the object itself: several directions a path cost less than more paths.
-constexpr int kDomeDirections = 4;
+constexpr int kMaxSurfaces = 64; // of transparent shells along one ray
 /// Of other lights on a shell: their visibility is averaged over a disc.
 constexpr int kNearDirections = 2;
-const Rgb kDefaultColor(0.5f);
 
 /// A mirrored path whose throughput is below this takes part in surfaces only with the chance that makes up for it.
 constexpr float kFaint = 0.25f;
 
-template<class T>
-T blend(const std::vector<T>& v, const Vec3i& t, float u, float w) {
-    return v[std::size_t(t.x)] * (1 - u - w) + v[std::size_t(t.y)] * u + v[std::size_t(t.z)] * w;
-}
-
-// Normal of the smooth surface, object space, not normalised.
-Vec3f smoothNormal(const RefinedSurface& s, const RayHit& hit) {
-    if (!s.cornerNormals.empty()) {
-        const int c = int(3 * hit.triangle);
-        return blend(s.cornerNormals, {c, c + 1, c + 2}, hit.u, hit.v);
-    }
-    return blend(s.normals, s.triangles[hit.triangle], hit.u, hit.v);
-}
-
 } // namespace
-
-bool Integrator::occluded(const Vec3f& origin, const LightSample& light) {
-    if (!light.shadows) {
-        return false;
-    }
-    ++rays_;
-    return scene_.rays->occluded(shadowRay(origin, light));
-}
-
-int Integrator::chooseLights(const Vec3f& point, const Vec3f& normal, PixelSampler& sampler, LightPick* picks) const {
-    // Nothing is drawn where there is nothing to choose.
-    const float u = scene_.lights.count() > std::size_t(kMaxLightsPerPath) ? sampler.next1d() : 0.0f;
-    return scene_.lights.choose(point, normal, u, kMaxLightsPerPath, picks);
-}
-
-Integrator::Surfel Integrator::surfelAt(const PreparedInstance& instance, const Ray& ray, const RayHit& hit) const {
-    const RefinedSurface& s = *instance.mesh->surface;
-    const Vec3i& t = s.triangles[hit.triangle];
-    const Vec3f p = blend(s.points, t, hit.u, hit.v);
-    // Shadow rays start from the smooth surface, else facets show at the terminator (Hanika 2021, "Hacking the shadow
-    // terminator", Ray Tracing Gems II): the mean of the projections onto the corners' tangent planes.
-    Vec3f lifted = p;
-    const float weight[3] = {1 - hit.u - hit.v, hit.u, hit.v};
-    for (int k = 0; k < 3 && s.cornerNormals.empty(); ++k) {
-        const std::size_t i = std::size_t(t[k]);
-        lifted -= s.normals[i] * (weight[k] * std::min(0.0f, dot(p - s.points[i], s.normals[i])));
-    }
-    Surfel out;
-    out.triangle = hit.triangle;
-    out.point = ray.origin + ray.direction * hit.t;
-    out.normal = normalize(Vec3f(instance.objectToWorld.normal(Vec3d(smoothNormal(s, hit)))));
-    out.objectPoint = p;
-    out.shadowOrigin = lifted;
-    out.albedo = s.colors.empty() ? kDefaultColor : blend(s.colors, t, hit.u, hit.v);
-    return out;
-}
-
-Rgb Integrator::shadePlain(const PreparedInstance& instance, const Surfel& surfel, const Vec3f& direction,
-                           PixelSampler& sampler) {
-    const Vec3f n = dot(surfel.normal, direction) > 0 ? -surfel.normal : surfel.normal;
-    const Vec3f origin = Vec3f(instance.objectToWorld.point(Vec3d(surfel.shadowOrigin))) + n * scene_.shadowOffset;
-    Rgb sum(0.0f);
-    LightPick picks[kMaxLightsPerPath];
-    const int count = chooseLights(surfel.point, n, sampler, picks);
-    for (int i = 0; i < count; ++i) {
-        const std::size_t l = picks[i].light;
-        const int directions = scene_.lights.isDome(l) ? kDomeDirections : 1;
-        const PixelSampler::Points u = sampler.next2dPoints(directions);
-        for (int k = 0; k < directions; ++k) {
-            const LightSample light = scene_.lights.sample(l, surfel.point, n, u[k]);
-            const float cosine = dot(n, light.towards);
-            if (cosine > 0 && maxComponent(light.irradiance) > 0 && !occluded(origin, light)) {
-                sum += light.irradiance * (cosine * picks[i].weight / float(directions));
-            }
-        }
-    }
-    return surfel.albedo * sum / kPi;
-}
 
 ShellMarch& Integrator::marchOf(const PreparedInstance& instance) {
     std::unique_ptr<ShellMarch>& march = marches_[std::size_t(&instance - scene_.instances.data())];
@@ -104,19 +27,19 @@ ShellMarch& Integrator::marchOf(const PreparedInstance& instance) {
 }
 
 ShellRadiance Integrator::shadeShell(const PreparedInstance& instance, const Surfel& surfel, const Vec3f& direction,
-                                     float footprintMm, PixelSampler& sampler) {
+                                     float footprintMm, bool indirect, PixelSampler& sampler) {
     const ShellObject& shell = *instance.mesh->shell;
     const Vec3f objectNormal = normalize(Vec3f(instance.worldToObject.normal(Vec3d(surfel.normal))));
     const float offset = 1e-3f * shell.grid->voxelSize();
 
-    ShellLight lights[kMaxLightsPerPath * kDomeDirections];
+    ShellLight lights[kMaxLightsPerPath * kDomeDirections + 1];
     int count = 0;
     const auto visible = [&](const Vec3f& point, const LightSample& light) {
         const Vec3f lifted(instance.objectToWorld.point(Vec3d(point + objectNormal * offset)));
-        return !occluded(lifted + surfel.normal * scene_.rounding, light);
+        return rays_.visibility(lifted + surfel.normal * scene_.rounding, light);
     };
     LightPick picks[kMaxLightsPerPath];
-    const int chosen = chooseLights(surfel.point, surfel.normal, sampler, picks);
+    const int chosen = rays_.chooseLights(surfel.point, surfel.normal, sampler, picks);
     for (int i = 0; i < chosen; ++i) {
         const std::size_t l = picks[i].light;
         const int directions = scene_.lights.isDome(l) ? kDomeDirections : kNearDirections;
@@ -127,20 +50,28 @@ ShellRadiance Integrator::shadeShell(const PreparedInstance& instance, const Sur
                 continue;
             }
             const Rgb irradiance = light.irradiance * (picks[i].weight / float(directions));
-            const bool exact = visible(surfel.shadowOrigin, light);
+            const Rgb exact = visible(surfel.shadowOrigin, light);
             const Vec3f moved = jitterOnSurface(*instance.mesh->rayMesh, surfel.shadowOrigin, objectNormal,
                                                 shell.blurRadiusMm / shell.mmPerUnit, disc[k]);
-            const bool blurred = moved == surfel.shadowOrigin ? exact : visible(moved, light);
-            if (exact || blurred) {
+            const Rgb blurred = moved == surfel.shadowOrigin ? exact : visible(moved, light);
+            if (maxComponent(exact) > 0 || maxComponent(blurred) > 0) {
                 ShellLight& s = lights[count++];
                 s.towards = normalize(Vec3f(instance.worldToObject.vector(Vec3d(light.towards))));
-                s.forSingle = exact ? irradiance : Rgb(0.0f);
-                s.forMultiple = blurred ? irradiance : Rgb(0.0f);
+                s.forSingle = irradiance * exact;
+                s.forMultiple = irradiance * blurred;
             }
         }
     }
+    if (indirect) {
+        const Vec3f from(instance.objectToWorld.point(Vec3d(surfel.shadowOrigin + objectNormal * offset)));
+        const LightSample light = plain_.bounced(from + surfel.normal * scene_.rounding, surfel.normal, sampler);
+        if (maxComponent(light.irradiance) > 0) {
+            const Vec3f towards = normalize(Vec3f(instance.worldToObject.vector(Vec3d(light.towards))));
+            lights[count++] = {towards, light.irradiance, light.irradiance};
+        }
+    }
 
-    ++rays_;
+    rays_.add(1);
     return marchOf(instance).march(surfel.objectPoint, surfel.triangle, direction, footprintMm, lights, count, sampler);
 }
 
@@ -160,36 +91,48 @@ Ray Integrator::leaveShell(const PreparedInstance& instance, const Surfel& entry
     return ray;
 }
 
-PixelSample Integrator::sample(Ray ray, const RayCone& cone, PixelSampler& sampler) {
+PixelSample Integrator::sample(const Ray& first, const RayCone& cone, PixelSampler& sampler) {
     PixelSample out;
-    float travelled = 0; // before the ray's origin
-    Rgb throughput(1.0f);
-    bool mirrored = false; // the path has been reflected: the rest of it is what is seen in a shell's surface
+    LightPath path;
+    path.ray = first;
+    Ray& ray = path.ray;
+    Rgb& throughput = path.throughput;
+    const bool &mirrored = path.mirrored, &bounced = path.bounced;
+    // Light that is no part of the path's own shell.
+    const auto add = [&](Rgb light) {
+        if (bounced && scene_.indirectClamp > 0) {
+            light *= std::min(1.0f, scene_.indirectClamp / std::max(scene_.indirectClamp, maxComponent(light)));
+        }
+        out.color += light;
+        if (mirrored) {
+            out.reflection += light;
+        }
+    };
     for (int surface = 0; surface < kMaxSurfaces; ++surface) {
         RayHit hit;
-        ++rays_;
-        const bool met = scene_.rays->intersect(ray, hit);
-        if (mirrored) {
-            const Rgb lamps = throughput * scene_.lights.mirrored(ray.origin, ray.direction,
-                                                                  met ? hit.t : std::numeric_limits<float>::infinity());
-            out.color += lamps;
-            out.reflection += lamps;
+        const bool met = rays_.intersect(ray, hit);
+        const float tMax = met ? hit.t : std::numeric_limits<float>::infinity();
+        if (path.lights == LightPath::Lights::All) {
+            add(throughput * scene_.lights.mirrored(ray.origin, ray.direction, tMax));
+        } else if (path.lights == LightPath::Lights::Shared) {
+            add(throughput *
+                scene_.lights.met(ray.origin, ray.direction, tMax, path.normal, path.density, path.domeSamples));
         }
         if (!met) {
             // The clear colour is a backdrop, not a light: no surface mirrors it.
             const bool dome = scene_.lights.hasDome();
-            const Rgb behind = dome       ? scene_.lights.background(ray.direction)
-                               : mirrored ? Rgb(0.0f)
-                                          : scene_.clearColor;
-            out.color += throughput * behind;
-            if (mirrored) {
-                out.reflection += throughput * behind;
-            } else {
+            if (path.seen()) {
+                out.color += throughput * (dome ? scene_.lights.background(ray.direction) : scene_.clearColor);
                 out.alpha += average(throughput) * (dome ? 1.0f : scene_.clearAlpha);
+            } else if (dome && path.lights == LightPath::Lights::All) {
+                add(throughput * scene_.lights.background(ray.direction));
             }
             return out;
         }
-        if (const float chance = maxComponent(throughput) / kFaint; mirrored && chance < 1) {
+        if (path.lightsOnly) {
+            return out;
+        }
+        if (const float chance = maxComponent(throughput) / kFaint; !path.seen() && chance < 1) {
             if (!(sampler.next1d() < chance)) {
                 return out;
             }
@@ -199,14 +142,17 @@ PixelSample Integrator::sample(Ray ray, const RayCone& cone, PixelSampler& sampl
         const Surfel surfel = surfelAt(instance, ray, hit);
         const ShellObject* shell = instance.mesh->shell.get();
         if (!shell) {
-            const Rgb plain = throughput * shadePlain(instance, surfel, ray.direction, sampler);
-            out.color += plain;
-            if (mirrored) {
-                out.reflection += plain;
-            } else {
-                out.alpha += average(throughput);
+            const Rgb before = throughput;
+            const bool seen = path.seen();
+            const PlainShader::Step step = plain_.shade(path, instance, surfel, hit, sampler);
+            if (step.covers) {
+                add(before * step.radiance);
+                out.alpha += seen ? average(before) : 0.0f;
             }
-            return out;
+            if (step.ends) {
+                return out;
+            }
+            continue;
         }
         const Vec3f scaled(instance.worldToObject.vector(Vec3d(ray.direction)));
         if (dot(scaled, hit.geometricNormal) >= 0) {
@@ -233,13 +179,13 @@ PixelSample Integrator::sample(Ray ray, const RayCone& cone, PixelSampler& sampl
         Ray onward = ray;
         float moved = 0; // from the ray's origin to that of the next
         if (maxComponent(inner) > 0) {
-            const float footprint = cone.at(travelled + hit.t) * scale * shell->mmPerUnit;
-            const ShellRadiance r = shadeShell(instance, surfel, direction, footprint, sampler);
+            const float seenWide = cone.at(path.travelled + hit.t) + path.spread * hit.t;
+            const float footprint = seenWide * scale * shell->mmPerUnit;
+            const bool indirect = scene_.surfacesBounce && path.bounces < scene_.maxDepth;
+            const ShellRadiance r = shadeShell(instance, surfel, direction, footprint, indirect, sampler);
             const Rgb single = inner * r.single, multiple = inner * r.multiple, core = inner * r.core;
-            out.color += single + multiple + core;
-            if (mirrored) {
-                out.reflection += single + multiple + core;
-            } else {
+            add(single + multiple + core);
+            if (path.seen()) {
                 out.single += single;
                 out.multiple += multiple;
                 out.core += core;
@@ -253,7 +199,7 @@ PixelSample Integrator::sample(Ray ray, const RayCone& cone, PixelSampler& sampl
                 through *= share;
             }
         }
-        if (!mirrored) {
+        if (path.seen()) {
             out.alpha += average(throughput - through);
         }
         // Two ways lead on; where both bring something, one is taken by its share.
@@ -264,8 +210,9 @@ PixelSample Integrator::sample(Ray ray, const RayCone& cone, PixelSampler& sampl
         }
         const bool mirror = b > 0 && (!(a > 0) || sampler.next1d() * (a + b) < b);
         throughput = mirror ? reflected * ((a + b) / b) : through * (a > 0 && b > 0 ? (a + b) / a : 1.0f);
+        path.passShell();
         if (mirror) {
-            mirrored = true;
+            path.mirror();
             moved = hit.t;
             onward = Ray();
             onward.direction = normalize(Vec3f(instance.objectToWorld.vector(Vec3d(in.reflected))));
@@ -273,17 +220,22 @@ PixelSample Integrator::sample(Ray ray, const RayCone& cone, PixelSampler& sampl
                 Vec3f(instance.objectToWorld.point(Vec3d(surfel.shadowOrigin))) + surfel.normal * scene_.shadowOffset;
         }
         ray = onward;
-        travelled += moved;
+        path.travelled += moved;
     }
     return out;
 }
 
-PixelHit Integrator::firstHit(const Ray& ray, const Camera& camera) {
+PixelHit Integrator::firstHit(Ray ray, const Camera& camera) {
     PixelHit out;
     RayHit hit;
-    ++rays_;
-    if (!scene_.rays->intersect(ray, hit)) {
-        return out;
+    for (int surface = 0;; ++surface) {
+        if (surface == kMaxSurfaces || !rays_.intersect(ray, hit)) {
+            return out;
+        }
+        if (!PlainShader::isHole(scene_.instances[hit.instance], ray, hit)) {
+            break;
+        }
+        ray.tNear = hit.t * (1 + 1e-6f) + scene_.shadowOffset;
     }
     const PreparedInstance& instance = scene_.instances[hit.instance];
     const Surfel s = surfelAt(instance, ray, hit);
@@ -293,7 +245,7 @@ PixelHit Integrator::firstHit(const Ray& ray, const Camera& camera) {
     out.normal = s.normal;
     out.neye = camera.viewNormal(s.normal);
     out.position = Vec3f(p);
-    out.albedo = s.albedo;
+    out.albedo = instance.mesh->shell ? s.albedo : PlainShader::albedo(instance, s, hit);
     if (const ShellObject* shell = instance.mesh->shell.get()) {
         // The albedo of the first voxel with material, straight down from where the ray enters.
         ShellProbe probe(*shell->grid, shell->pose.get());

@@ -3,6 +3,7 @@
 
 #include "stfLib/render/camera.h"
 #include "stfLib/render/film.h"
+#include "stfLib/render/plain_shader.h"
 #include "stfLib/render/prepared_scene.h"
 #include "stfLib/render/shell_march.h"
 #include "stfLib/render/surface_crossing.h"
@@ -14,40 +15,29 @@ namespace stf {
 /// Follows camera rays through a prepared scene. One per thread: it holds the accessors of the shells it met.
 class Integrator {
 public:
-    explicit Integrator(const PreparedScene& scene) : scene_(scene), marches_(scene.instances.size()) {}
+    explicit Integrator(const PreparedScene& scene)
+        : scene_(scene), rays_(scene), plain_(scene, rays_), marches_(scene.instances.size()) {}
 
     /// `cone`: of the pixel, so that shells are read no finer than it sees.
-    PixelSample sample(Ray ray, const RayCone& cone, PixelSampler& sampler);
+    PixelSample sample(const Ray& first, const RayCone& cone, PixelSampler& sampler);
     /// The first surface along a ray, for the AOVs that are not averaged.
-    PixelHit firstHit(const Ray& ray, const Camera& camera);
-    std::uint64_t rays() const { return rays_; }
+    PixelHit firstHit(Ray ray, const Camera& camera);
+    std::uint64_t rays() const { return rays_.count(); }
 
 private:
-    struct Surfel {
-        Vec3f point, normal; ///< world; normal of the smooth surface, turned to no side
-        Vec3f objectPoint;   ///< on the triangle: exact however far the camera is
-        Vec3f shadowOrigin;  ///< object space, lifted to the smooth surface
-        Rgb albedo;
-        std::uint32_t triangle;
-    };
-    Surfel surfelAt(const PreparedInstance& instance, const Ray& ray, const RayHit& hit) const;
-    Rgb shadePlain(const PreparedInstance& instance, const Surfel& surfel, const Vec3f& direction,
-                   PixelSampler& sampler);
-    /// `direction`: unit, object space, inside the shell; `footprintMm`: width of what the pixel sees there.
+    /// `direction`: unit, object space, inside the shell; `footprintMm`: width of what the pixel sees there;
+    /// `indirect`: with light from plain surfaces.
     ShellRadiance shadeShell(const PreparedInstance& instance, const Surfel& surfel, const Vec3f& direction,
-                             float footprintMm, PixelSampler& sampler);
+                             float footprintMm, bool indirect, PixelSampler& sampler);
     /// The ray that leaves a refracting shell at the far side, and the share of light that comes in there.
     Ray leaveShell(const PreparedInstance& instance, const Surfel& entry, const Vec3f& direction,
                    const ShellRadiance& through, float& share);
     ShellMarch& marchOf(const PreparedInstance& instance);
-    /// At most kMaxLightsPerPath of them, with their weights.
-    int chooseLights(const Vec3f& point, const Vec3f& normal, PixelSampler& sampler, LightPick* picks) const;
-    /// Whether something stands between a point (world) and a light.
-    bool occluded(const Vec3f& origin, const LightSample& light);
 
     const PreparedScene& scene_;
+    SceneRays rays_;
+    PlainShader plain_;
     std::vector<std::unique_ptr<ShellMarch>> marches_;
-    std::uint64_t rays_ = 0;
 };
 
 } // namespace stf

@@ -15,6 +15,11 @@ double projectedSolidAngle(double half) {
     return double(kPi) * std::sin(half) * std::sin(half);
 }
 
+/// Of a direction in a distant light's disc, uniform in projected solid angle.
+float distantDensity(float cosHalf, float cosine) {
+    return cosine / (kPi * (1 - cosHalf * cosHalf));
+}
+
 Rgb pixelAt(const LatLongImage& image, const Vec2f& uv) {
     const float fx = uv.x * float(image.width) - 0.5f, fy = uv.y * float(image.height) - 0.5f;
     const int x = int(std::floor(fx)), y = int(std::floor(fy));
@@ -152,7 +157,7 @@ LightSample LightSet::sample(std::size_t index, const Vec3f& point, const Vec3f&
     LightSample s;
     s.shadows = l.shadows;
     if (l.type == Light::Type::Dome) {
-        s.irradiance = l.dome.sample(normal, u, s.towards);
+        s.irradiance = l.dome.sample(normal, u, s.towards, s.density);
     } else if (l.type == Light::Type::Distant) {
         // Uniform in projected solid angle: constant radiance, so the weight is the irradiance itself.
         s.towards = l.axis;
@@ -162,12 +167,14 @@ LightSample LightSet::sample(std::size_t index, const Vec3f& point, const Vec3f&
             orthonormalBasis(l.axis, t, b);
             const float sin2 = u.x * (1 - l.cosAngle * l.cosAngle), r = std::sqrt(sin2), phi = 2 * kPi * u.y;
             s.towards = normalize(t * (r * std::cos(phi)) + b * (r * std::sin(phi)) + l.axis * std::sqrt(1 - sin2));
+            s.density = l.seenAlong() ? distantDensity(l.cosAngle, std::sqrt(1 - sin2)) : 0.0f;
         }
     } else {
         const ShapeSample at = l.shape.sample(point, u);
         if (at.solidAngle > 0) {
             s.towards = at.towards;
             s.distance = at.distance;
+            s.density = 1 / at.solidAngle;
             s.irradiance = l.radiance(-at.towards, point + at.towards * at.distance) * at.solidAngle;
         }
     }
@@ -193,23 +200,58 @@ bool LightSet::hasDome() const {
     return false;
 }
 
-Rgb LightSet::mirrored(const Vec3f& origin, const Vec3f& direction, float tMax) const {
-    Rgb sum(0.0f);
+// Distant lights whose disc is worth meeting.
+bool LightSet::Prepared::seenAlong() const {
+    static const float widest = float(std::cos(kMirroredDegrees * double(kPi) / 180));
+    return type == Light::Type::Distant && cosAngle < widest;
+}
+
+template<class Visit>
+void LightSet::along(const Vec3f& origin, const Vec3f& direction, float tMax, Visit&& visit) const {
+    const bool free = !(tMax < std::numeric_limits<float>::infinity());
     for (std::size_t i : far_) {
         const Prepared& l = lights_[i];
-        const double half = std::acos(std::clamp(double(l.cosAngle), -1.0, 1.0));
-        if (l.type == Light::Type::Distant && !(tMax < std::numeric_limits<float>::infinity()) &&
-            half > kMirroredDegrees * double(kPi) / 180 && dot(direction, l.axis) > l.cosAngle) {
-            sum += l.emission / float(projectedSolidAngle(half));
+        if (free && l.seenAlong() && dot(direction, l.axis) > l.cosAngle) {
+            const double half = std::acos(std::clamp(double(l.cosAngle), -1.0, 1.0));
+            visit(l, l.emission / float(projectedSolidAngle(half)), tMax);
         }
     }
     tree_.along(origin, direction, tMax, [&](std::size_t i) {
         const Prepared& l = lights_[i];
         const float t = l.shape.intersect(origin, direction);
         if (t < tMax) {
-            sum += l.radiance(-direction, origin + direction * t);
+            visit(l, l.radiance(-direction, origin + direction * t), t);
         }
     });
+}
+
+Rgb LightSet::mirrored(const Vec3f& origin, const Vec3f& direction, float tMax) const {
+    Rgb sum(0.0f);
+    along(origin, direction, tMax, [&](const Prepared&, const Rgb& radiance, float) { sum += radiance; });
+    return sum;
+}
+
+Rgb LightSet::met(const Vec3f& origin, const Vec3f& direction, float tMax, const Vec3f& normal, float density,
+                  int domeSamples) const {
+    Rgb sum(0.0f);
+    along(origin, direction, tMax, [&](const Prepared& l, const Rgb& radiance, float t) {
+        float sampled = 0;
+        if (l.type == Light::Type::Distant) {
+            sampled = distantDensity(l.cosAngle, dot(direction, l.axis));
+        } else if (const float solid = l.shape.solidAngle(origin, direction, t); solid > 0) {
+            sampled = 1 / solid;
+        }
+        sum += radiance * (density / (density + sampled));
+    });
+    if (!(tMax < std::numeric_limits<float>::infinity())) {
+        for (std::size_t i : far_) {
+            const Prepared& l = lights_[i];
+            if (l.type == Light::Type::Dome) {
+                const float sampled = float(domeSamples) * l.dome.density(normal, direction);
+                sum += l.dome.radiance(direction) * (density / (density + sampled));
+            }
+        }
+    }
     return sum;
 }
 

@@ -19,6 +19,7 @@ namespace stf {
 struct LightSample {
     Vec3f towards{0, 0, 1};
     Rgb irradiance{0.0f};
+    float density = 0; ///< per solid angle, of the direction; 0: only a sample finds the light, no ray meets it
     float distance = std::numeric_limits<float>::infinity(); ///< other geometry beyond it throws no shadow
     bool shadows = true;                                     ///< false: nothing throws a shadow
 };
@@ -64,6 +65,11 @@ public:
     /// Radiance of the lights with an area, and of wide distant ones, that a mirrored ray meets before `tMax`. Rays of
     /// the camera do not see them, as in other renderers.
     Rgb mirrored(const Vec3f& origin, const Vec3f& direction, float tMax) const;
+    /// The same and, where nothing is met, the domes, for a ray whose direction was chosen with a density while
+    /// `sample` was asked as well, once for each light and `domeSamples` times for each dome: their shares by the
+    /// balance heuristic (Veach 1997). `normal`: of the surface that the ray leaves.
+    Rgb met(const Vec3f& origin, const Vec3f& direction, float tMax, const Vec3f& normal, float density,
+            int domeSamples) const;
 
 private:
     struct Prepared {
@@ -80,7 +86,11 @@ private:
         LatLongImage image; ///< of a rectangle
         bool shadows = true;
         Rgb radiance(const Vec3f& direction, const Vec3f& at) const;
+        bool seenAlong() const;
     };
+    /// Calls visit(light, radiance, distance) for what `mirrored` sums.
+    template<class Visit>
+    void along(const Vec3f& origin, const Vec3f& direction, float tMax, Visit&& visit) const;
     bool prepareArea(const std::string& id, Prepared& light, const MessageSink& messages) const;
 
     std::vector<Prepared> lights_;

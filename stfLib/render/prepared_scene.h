@@ -2,6 +2,7 @@
 #pragma once
 
 #include "stfLib/render/light_set.h"
+#include "stfLib/render/plain_material.h"
 #include "stfLib/render/shell_object.h"
 
 #include <cstdint>
@@ -19,7 +20,8 @@ struct PreparedMesh {
 
 struct PreparedInstance {
     std::shared_ptr<const PreparedMesh> mesh;
-    Transform objectToWorld, worldToObject; ///< world relative to the scene's origin
+    Transform objectToWorld, worldToObject;        ///< world relative to the scene's origin
+    std::shared_ptr<const PlainMaterial> material; ///< of a plain surface; null: its displayColor
     std::int32_t primId = -1, instanceId = -1;
     std::vector<Rgb> core; ///< radiance leaving the core, per sample of the shell's grid; empty for a black one
 };
@@ -34,6 +36,10 @@ struct PreparedScene {
     float rounding = 0;         ///< world units: what a position may be off by its representation
     Rgb clearColor{0.0f};
     float clearAlpha = 0;
+    bool clearSurfaces = false;  ///< some surface is not opaque: shadow rays have to look at what they meet
+    bool surfacesBounce = false; ///< some plain surface sends light on
+    int maxDepth = 0;            ///< bounces off plain surfaces along a path
+    float indirectClamp = 0;     ///< most of light that a bounced path brings, its largest channel; 0: no limit
 };
 
 } // namespace stf

@@ -59,6 +59,8 @@ struct Renderer::Impl {
 
     void prepareMesh(const std::string& id, const SceneMesh& m, double metersPerUnit, Kept& kept, Progress& progress);
     void placeInstances(const Scene& source);
+    void planSurfaces();
+    std::shared_ptr<const PlainMaterial> materialOf(const SceneMesh& mesh, const Scene& source);
 
     std::mutex messageMutex;
     MessageSink sink;
@@ -69,6 +71,8 @@ struct Renderer::Impl {
     Film film;
     ShellBuilder builder;
     std::map<std::string, Kept> kept;
+    TextureStore textures;
+    std::map<std::string, std::shared_ptr<const PlainMaterial>> materials; // of what is drawn
     std::unique_ptr<PreparedScene> scene;
     Rgb clearColor{0.0f};
     float clearAlpha = 0;
@@ -137,9 +141,68 @@ void Renderer::Impl::prepareMesh(const std::string& id, const SceneMesh& m, doub
     }
 }
 
+// Only what a plain surface shows is looked up, and only what changed is made anew.
+std::shared_ptr<const PlainMaterial> Renderer::Impl::materialOf(const SceneMesh& m, const Scene& source) {
+    const auto it = source.materials().find(m.material);
+    if (it == source.materials().end()) {
+        return nullptr;
+    }
+    std::shared_ptr<const PlainMaterial>& made = materials[m.material];
+    if (!made || !(made->surface() == it->second)) {
+        made = std::make_shared<const PlainMaterial>(m.material, it->second, textures,
+                                                     [this](Severity s, const std::string& text) { say(s, text); });
+    }
+    return made;
+}
+
+// Which surfaces there are beside shells, and what of their light is followed.
+void Renderer::Impl::planSurfaces() {
+    int plain = 0, glossy = 0, clear = 0;
+    std::set<const PlainMaterial*> used;
+    scene->surfacesBounce = false;
+    for (const PreparedInstance& i : scene->instances) {
+        if (i.mesh->shell) {
+            continue;
+        }
+        ++plain;
+        scene->surfacesBounce = true;
+        if (i.material && used.insert(i.material.get()).second) {
+            ++glossy;
+            clear += i.material->opaque() ? 0 : 1;
+        }
+    }
+    scene->clearSurfaces = clear > 0;
+    int images = 0;
+    for (const PlainMaterial* m : used) {
+        images += m->textures();
+    }
+    scenePlan.push_back({"scene", "materials", glossy > 0,
+                         glossy
+                             ? std::to_string(glossy) + " read for surfaces without a shell, inputs with a texture: " +
+                                   std::to_string(images) + ", not opaque: " + std::to_string(clear)
+                         : plain ? "plain surfaces show their displayColor"
+                                 : "no surface without a shell",
+                         0});
+    const bool bounces = scene->surfacesBounce && settings.maxDepth > 0;
+    scenePlan.push_back({"scene", "bounces", bounces,
+                         bounces ? "up to " + std::to_string(settings.maxDepth) + " off surfaces without a shell"
+                         : plain ? "stf:maxDepth is 0"
+                                 : "no surface without a shell",
+                         0});
+}
+
 void Renderer::Impl::placeInstances(const Scene& source) {
     std::vector<RayInstance> rays;
     scene->instances.clear();
+    std::set<std::string> bound;
+    for (const auto& [id, m] : source.meshes()) {
+        if (m.visible) {
+            bound.insert(m.material);
+        }
+    }
+    for (auto it = materials.begin(); it != materials.end();) {
+        it = bound.count(it->first) && source.materials().count(it->first) ? std::next(it) : materials.erase(it);
+    }
     // The middle of the scene, in double precision.
     Vec3d low(1e300), high(-1e300);
     for (const auto& [id, m] : source.meshes()) {
@@ -169,6 +232,11 @@ void Renderer::Impl::placeInstances(const Scene& source) {
             }
             PreparedInstance p;
             p.mesh = it->second.mesh;
+            p.material = p.mesh->shell ? nullptr : materialOf(m, source);
+            if (p.material && p.material->usesUvs() && p.mesh->surface->uvTriangles.empty()) {
+                say(Severity::Warning, id + ": material " + m.material +
+                                           " has textures, but the mesh has no texture coordinates; (0, 0) is read");
+            }
             p.objectToWorld = i.objectToWorld;
             p.objectToWorld.translation -= scene->origin;
             p.worldToObject = p.objectToWorld.inverse();
@@ -222,7 +290,8 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
     setThreadCount(s.settings.threads);
     s.prepareStart = Clock::now();
     if (s.scene && source.version() == s.preparedVersion && s.settings.quality == s.preparedSettings.quality &&
-        s.settings.transport == s.preparedSettings.transport && s.settings.seed == s.preparedSettings.seed) {
+        s.settings.transport == s.preparedSettings.transport && s.settings.seed == s.preparedSettings.seed &&
+        s.settings.maxDepth == s.preparedSettings.maxDepth) {
         return;
     }
     if (!s.scene) {
@@ -258,11 +327,13 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
         {"scene", "lights", s.scene->lights.count() > 0,
          std::to_string(s.scene->lights.count()) + " of " + std::to_string(source.lights().size()) + " give light", 0});
     s.placeInstances(source);
+    s.planSurfaces();
     s.scene->lights.place(s.scene->origin);
     s.builder.dropUnused();
     const auto emits = [](const PreparedInstance& i) { return i.mesh->shell && i.mesh->shell->medium->emits(); };
     const std::vector<PreparedInstance>& instances = s.scene->instances;
-    if (s.scene->lights.count() == 0 && std::none_of(instances.begin(), instances.end(), emits)) {
+    const auto shines = [&](const PreparedInstance& i) { return emits(i) || (i.material && i.material->emits()); };
+    if (s.scene->lights.count() == 0 && std::none_of(instances.begin(), instances.end(), shines)) {
         s.say(Severity::Warning, "the scene has no light that hdStf knows: what is drawn is black");
     }
 
@@ -318,6 +389,8 @@ bool Renderer::renderPass(Progress& progress) {
     setThreadCount(s.settings.threads);
     s.scene->clearColor = s.clearColor;
     s.scene->clearAlpha = s.clearAlpha;
+    s.scene->maxDepth = s.settings.maxDepth;
+    s.scene->indirectClamp = s.settings.indirectClamp;
     const auto start = Clock::now();
     const int width = s.film.width(), height = s.film.height();
     const int tilesX = (width + kTile - 1) / kTile, tilesY = (height + kTile - 1) / kTile;

@@ -23,9 +23,11 @@ struct RenderSettings {
     int threads = 0;               ///< 0 = all cores
     float quality = 0.02f;         ///< target relative error of the tables, where a binding does not say
     std::string transport = "dE1"; ///< form of the tables, where a binding does not say: dE1, classic
+    int maxDepth = 4;              ///< bounces off surfaces that are no shells; 0: direct light alone
+    float indirectClamp = 0;       ///< most that a bounced path brings (radiance, largest channel); 0: no limit
     bool operator==(const RenderSettings& s) const {
         return samples == s.samples && seed == s.seed && threads == s.threads && quality == s.quality &&
-               transport == s.transport;
+               transport == s.transport && maxDepth == s.maxDepth && indirectClamp == s.indirectClamp;
     }
 };
 

@@ -48,6 +48,31 @@ void Scene::setVisible(const std::string& id, bool visible) {
     }
 }
 
+void Scene::setMeshMaterial(const std::string& id, const std::string& material) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    SceneMesh& m = meshes_[id];
+    if (m.material != material) {
+        m.material = material;
+        m.instanceVersion = ++version_;
+    }
+}
+
+void Scene::setMaterial(const std::string& id, const PreviewSurface& surface) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    const auto [it, isNew] = materials_.try_emplace(id, surface);
+    if (isNew || !(it->second == surface)) {
+        it->second = surface;
+        ++version_;
+    }
+}
+
+void Scene::removeMaterial(const std::string& id) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (materials_.erase(id)) {
+        ++version_;
+    }
+}
+
 void Scene::removeMesh(const std::string& id) {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (meshes_.erase(id)) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "stfLib/render/light.h"
+#include "stfLib/render/preview_surface.h"
 #include "stfLib/render/stf_binding.h"
 #include "stfLib/surface/control_mesh.h"
 
@@ -30,6 +31,7 @@ struct SceneMesh {
     std::shared_ptr<const ControlMesh> mesh;
     int refineLevel = 0;
     std::optional<StfBinding> stf;
+    std::string material; ///< id of what is bound; empty or unknown: displayColor
     std::vector<MeshInstance> instances;
     std::int32_t primId = 0;
     bool visible = true;
@@ -45,7 +47,12 @@ public:
     void setInstances(const std::string& id, std::vector<MeshInstance> instances);
     void setPrimId(const std::string& id, std::int32_t primId);
     void setVisible(const std::string& id, bool visible);
+    /// Which material a mesh has; it need not be there (yet).
+    void setMeshMaterial(const std::string& id, const std::string& material);
     void removeMesh(const std::string& id);
+
+    void setMaterial(const std::string& id, const PreviewSurface& surface);
+    void removeMaterial(const std::string& id);
 
     void setLight(const std::string& id, const Light& light);
     void removeLight(const std::string& id);
@@ -55,6 +62,7 @@ public:
 
     // For the renderer.
     const std::map<std::string, SceneMesh>& meshes() const { return meshes_; }
+    const std::map<std::string, PreviewSurface>& materials() const { return materials_; }
     const std::map<std::string, Light>& lights() const { return lights_; }
     double metersPerUnit() const { return metersPerUnit_; }
     /// Grows with every change of any kind.
@@ -64,6 +72,7 @@ public:
 private:
     std::mutex mutex_;
     std::map<std::string, SceneMesh> meshes_;
+    std::map<std::string, PreviewSurface> materials_;
     std::map<std::string, Light> lights_;
     double metersPerUnit_ = 0.01;
     std::uint64_t version_ = 1, lightVersion_ = 1;

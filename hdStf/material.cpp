@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStf/material.h"
+
+#include "hdStf/materialNetwork.h"
+#include "hdStf/renderParam.h"
+
+#include "pxr/imaging/hd/sceneDelegate.h"
+
+PXR_NAMESPACE_OPEN_SCOPE
+
+void HdStfMaterial::Sync(HdSceneDelegate* sceneDelegate, HdRenderParam* renderParam, HdDirtyBits* dirtyBits) {
+    const HdDirtyBits bits = *dirtyBits;
+    *dirtyBits = Clean;
+    if (!(bits & (DirtyParams | DirtyResource))) {
+        return;
+    }
+    auto& param = *static_cast<HdStfRenderParam*>(renderParam);
+    const auto description =
+        HdStfReadMaterial(GetId(), sceneDelegate->GetMaterialResource(GetId()), param.GetMessages());
+    const std::string id = GetId().GetString();
+    if (description) {
+        _uvPrimvar = description->uvPrimvar;
+        if (!_inScene || !(description->surface == _surface)) {
+            _surface = description->surface;
+            _inScene = true;
+            param.AcquireSceneForEdit().setMaterial(id, _surface);
+        }
+    } else {
+        _uvPrimvar = TfToken();
+        Finalize(renderParam);
+    }
+}
+
+void HdStfMaterial::Finalize(HdRenderParam* renderParam) {
+    if (_inScene) {
+        static_cast<HdStfRenderParam*>(renderParam)->AcquireSceneForEdit().removeMaterial(GetId().GetString());
+        _inScene = false;
+    }
+}
+
+PXR_NAMESPACE_CLOSE_SCOPE

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "stfLib/base/vec.h"
+#include "stfLib/render/camera.h"
+
+namespace stf {
+
+/// A path from the camera on its way through a scene, and how its present ray came to be.
+struct LightPath {
+    Ray ray;
+    Rgb throughput{1.0f};
+    float travelled = 0;   ///< before the ray's origin
+    bool mirrored = false; ///< by a shell's surface: the rest of the path is what is seen in it
+    bool bounced = false;  ///< off a plain surface: the rest is light that the surface gets from others
+    int bounces = 0;
+    float spread = 0; ///< radians, of what lobes chose from: shells need not be read finer
+
+    /// What the ray takes with it of lights that samples of them find as well.
+    enum class Lights { None, Shared, All };
+    Lights lights = Lights::None;
+    bool lightsOnly = false; ///< the path ends here: the ray only looks for lights
+    float density = 0;       ///< shared: per solid angle, of the ray's direction
+    int domeSamples = 1;     ///< and how often a dome was asked
+    Vec3f normal;            ///< and where: of the surface that the ray leaves
+
+    /// Whether it still is the camera's own ray, bent at most.
+    bool seen() const { return !mirrored && !bounced; }
+    /// From here on it is a mirror image.
+    void mirror() {
+        mirrored = true;
+        lights = Lights::All;
+    }
+    /// It went through a shell, behind which samples of lights see nothing.
+    void passShell() { lights = seen() ? Lights::None : Lights::All; }
+};
+
+} // namespace stf

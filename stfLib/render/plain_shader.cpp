@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stfLib/render/plain_shader.h"
+
+#include "stfLib/base/hemisphere.h"
+
+namespace stf {
+
+namespace {
+
+constexpr float kLeastCosine = 1e-4f; // of the viewer, where the smooth normal turns away while the triangle is seen
+
+PreviewPoint lambert(const Rgb& color) {
+    PreviewPoint p;
+    p.diffuse = color;
+    return p;
+}
+
+PreviewPoint pointAt(const PreparedInstance& instance, const Surfel& surfel, const RayHit& hit) {
+    return instance.material ? instance.material->at(uvAt(*instance.mesh->surface, hit), surfel.albedo)
+                             : lambert(surfel.albedo);
+}
+
+} // namespace
+
+bool PlainShader::isHole(const PreparedInstance& instance, const Ray& ray, const RayHit& hit) {
+    if (!instance.material || instance.material->opaque()) {
+        return false;
+    }
+    const PreviewPoint p = pointAt(instance, surfelAt(instance, ray, hit), hit);
+    return p.presence && p.opacity < 0.5f;
+}
+
+Rgb PlainShader::albedo(const PreparedInstance& instance, const Surfel& surfel, const RayHit& hit) {
+    const PreviewPoint p = pointAt(instance, surfel, hit);
+    return p.diffuse + p.f0;
+}
+
+PlainShader::Vertex PlainShader::vertexAt(const PreparedInstance& instance, const Surfel& surfel, const RayHit& hit,
+                                          const Vec3f& direction) const {
+    Vertex v;
+    v.at = pointAt(instance, surfel, hit);
+    v.point = surfel.point;
+    v.z = dot(surfel.normal, direction) > 0 ? -surfel.normal : surfel.normal;
+    v.origin = Vec3f(instance.objectToWorld.point(Vec3d(surfel.shadowOrigin))) + v.z * scene_.shadowOffset;
+    const Vec3f facet = normalize(Vec3f(instance.objectToWorld.normal(Vec3d(hit.geometricNormal))));
+    v.geometric = dot(facet, direction) > 0 ? -facet : facet;
+    if (instance.material && instance.material->hasNormalMap()) {
+        const RefinedSurface& s = *instance.mesh->surface;
+        bool mirrored = false;
+        const Vec3f along(instance.objectToWorld.vector(Vec3d(uvTangent(s, hit.triangle, mirrored))));
+        const Vec3f t = normalize(along - surfel.normal * dot(surfel.normal, along));
+        if (dot(t, t) > 0.5f) {
+            const Vec3f b = cross(surfel.normal, t) * (mirrored ? -1.0f : 1.0f);
+            const Vec3f n = instance.material->normalAt(uvAt(s, hit));
+            const Vec3f bent = normalize(t * n.x + b * n.y + surfel.normal * n.z);
+            const Vec3f turned = dot(surfel.normal, v.z) < 0 ? -bent : bent;
+            v.z = dot(turned, direction) < 0 ? turned : v.z;
+        }
+    }
+    orthonormalBasis(v.z, v.x, v.y);
+    v.out = v.toLocal(-direction);
+    v.out.z = std::max(kLeastCosine, v.out.z);
+    return v;
+}
+
+Rgb PlainShader::direct(const Vertex& v, const PreviewBsdf& bsdf, int domeDirections, bool shared,
+                        PixelSampler& sampler) {
+    Rgb sum(0.0f);
+    LightPick picks[kMaxLightsPerPath];
+    const int count = rays_.chooseLights(v.point, v.z, sampler, picks);
+    for (int i = 0; i < count; ++i) {
+        const std::size_t l = picks[i].light;
+        const int directions = scene_.lights.isDome(l) ? domeDirections : 1;
+        const PixelSampler::Points u = sampler.next2dPoints(directions);
+        for (int k = 0; k < directions; ++k) {
+            const LightSample light = scene_.lights.sample(l, v.point, v.z, u[k]);
+            const float cosine = dot(v.z, light.towards);
+            if (!(cosine > 0) || !(maxComponent(light.irradiance) > 0)) {
+                continue;
+            }
+            const Vec3f in = v.toLocal(light.towards);
+            Rgb share = bsdf.evaluate(v.out, in) * (cosine * picks[i].weight / float(directions));
+            if (shared && light.density > 0) {
+                const float own = light.density * float(directions);
+                share *= own / (own + bsdf.density(v.out, in));
+            }
+            if (maxComponent(share) > 0) {
+                sum += light.irradiance * share * rays_.visibility(v.origin, light);
+            }
+        }
+    }
+    return sum;
+}
+
+PlainShader::Step PlainShader::shade(LightPath& path, const PreparedInstance& instance, const Surfel& surfel,
+                                     const RayHit& hit, PixelSampler& sampler) {
+    Step step;
+    const Vec3f direction = path.ray.direction;
+    const Vertex v = vertexAt(instance, surfel, hit, direction);
+    const PreviewBsdf bsdf(v.at);
+    float weight = 1;
+    if (v.at.opacity < 1) {
+        // One of both ways, so that what is behind is seen as often as it shines through.
+        const Rgb through = bsdf.through(v.out);
+        const float chance = v.at.presence ? through.x : std::min(1.0f, maxComponent(through));
+        if (sampler.next1d() < chance) {
+            path.throughput *= through / chance;
+            path.ray.tNear = hit.t * (1 + 1e-6f) + scene_.shadowOffset;
+            step.covers = false;
+            return step;
+        }
+        // What is there by chance counts as it is; a clear surface reflects wholly wherever it is.
+        if (!v.at.presence) {
+            weight /= 1 - chance;
+            path.throughput *= weight;
+        }
+    }
+
+    const bool onward = path.bounces < scene_.maxDepth && scene_.surfacesBounce, glossy = !v.at.isLambert();
+    const int domes = path.seen() ? kDomeDirections : 1;
+    step.radiance = (v.at.emission + direct(v, bsdf, domes, glossy, sampler)) * weight;
+    step.ends = true;
+    if (!onward && !glossy) {
+        return step;
+    }
+    const PreviewBsdf::Sample s = bsdf.sample(v.out, glossy ? sampler.next1d() : 0.0f, sampler.next2d());
+    const Vec3f towards = v.toWorld(s.in);
+    if (!(maxComponent(s.weight) > 0) || !(dot(towards, v.geometric) > 0)) {
+        return step;
+    }
+    path.throughput *= s.weight;
+    path.travelled += hit.t;
+    path.spread += s.spread;
+    path.bounced = true;
+    ++path.bounces;
+    path.lights = glossy ? LightPath::Lights::Shared : LightPath::Lights::None;
+    path.lightsOnly = !onward;
+    path.density = s.density;
+    path.domeSamples = domes;
+    path.normal = v.z;
+    path.ray = Ray();
+    path.ray.origin = v.origin;
+    path.ray.direction = towards;
+    step.ends = false;
+    return step;
+}
+
+LightSample PlainShader::bounced(const Vec3f& origin, const Vec3f& normal, PixelSampler& sampler) {
+    LightSample light;
+    Vec3f x, y;
+    orthonormalBasis(normal, x, y);
+    const Vec3f d = mixedHemisphere(sampler.next2d());
+    Ray ray;
+    ray.origin = origin;
+    ray.direction = normalize(x * d.x + y * d.y + normal * d.z);
+    RayHit hit;
+    if (!rays_.intersect(ray, hit)) {
+        return light;
+    }
+    const PreparedInstance& instance = scene_.instances[hit.instance];
+    if (instance.mesh->shell) {
+        return light;
+    }
+    const Vertex v = vertexAt(instance, surfelAt(instance, ray, hit), hit, ray.direction);
+    light.towards = ray.direction;
+    light.density = mixedHemisphereDensity(d.z);
+    const float shown = v.at.opacity < 1 && v.at.presence ? v.at.opacity : 1.0f;
+    light.irradiance = (v.at.emission + direct(v, PreviewBsdf(v.at), 1, false, sampler)) * (shown / light.density);
+    return light;
+}
+
+} // namespace stf

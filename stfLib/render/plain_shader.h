@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "stfLib/render/light_path.h"
+#include "stfLib/render/scene_rays.h"
+#include "stfLib/render/surfel.h"
+
+namespace stf {
+
+/// Light of surfaces that are no shells: UsdPreviewSurface where a material is bound, else Lambert in the displayColor.
+/// One per thread.
+class PlainShader {
+public:
+    PlainShader(const PreparedScene& scene, SceneRays& rays) : scene_(scene), rays_(rays) {}
+
+    struct Step {
+        Rgb radiance{0.0f}; ///< towards where the path came from, without its throughput
+        bool covers = true; ///< false: the path goes straight on, nothing is here
+        bool ends = false;
+    };
+    /// Emission and direct light at a hit; the path gets its next ray, which finds the light that comes by way of other
+    /// surfaces and shares that of the lights.
+    Step shade(LightPath& path, const PreparedInstance& instance, const Surfel& surfel, const RayHit& hit,
+               PixelSampler& sampler);
+
+    /// Light that other plain surfaces send to a point (world) of a shell: one direction by the cosine to its normal,
+    /// and what one bounce brings from there, as perpendicular irradiance over the density. Zero where nothing or a
+    /// shell is met there.
+    LightSample bounced(const Vec3f& origin, const Vec3f& normal, PixelSampler& sampler);
+
+    /// Whether more of a surface is missing than there, by its opacity.
+    static bool isHole(const PreparedInstance& instance, const Ray& ray, const RayHit& hit);
+    /// Albedo, for the AOV.
+    static Rgb albedo(const PreparedInstance& instance, const Surfel& surfel, const RayHit& hit);
+
+private:
+    // A hit with its frame, whose z is the shading normal on the side of the ray.
+    struct Vertex {
+        Vec3f point, origin; // origin: of rays that leave
+        Vec3f x, y, z;
+        Vec3f geometric; // on the side of the ray
+        Vec3f out;       // in the frame
+        PreviewPoint at;
+        Vec3f toLocal(const Vec3f& d) const { return {dot(d, x), dot(d, y), dot(d, z)}; }
+        Vec3f toWorld(const Vec3f& d) const { return normalize(x * d.x + y * d.y + z * d.z); }
+    };
+    Vertex vertexAt(const PreparedInstance& instance, const Surfel& surfel, const RayHit& hit,
+                    const Vec3f& direction) const;
+    Rgb direct(const Vertex& vertex, const PreviewBsdf& bsdf, int domeDirections, bool shared, PixelSampler& sampler);
+
+    const PreparedScene& scene_;
+    SceneRays& rays_;
+};
+
+} // namespace stf

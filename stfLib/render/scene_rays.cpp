@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stfLib/render/scene_rays.h"
+
+#include "stfLib/render/surfel.h"
+
+namespace stf {
+
+namespace {
+constexpr int kMaxClearSurfaces = 64; // along one shadow ray
+}
+
+Rgb SceneRays::visibility(const Vec3f& origin, const LightSample& light) {
+    if (!light.shadows) {
+        return Rgb(1.0f);
+    }
+    const Ray ray = shadowRay(origin, light);
+    if (scene_.clearSurfaces) {
+        return throughSurfaces(ray);
+    }
+    ++count_;
+    return Rgb(scene_.rays->occluded(ray) ? 0.0f : 1.0f);
+}
+
+Rgb SceneRays::throughSurfaces(Ray ray) {
+    Rgb left(1.0f);
+    for (int i = 0; i < kMaxClearSurfaces; ++i) {
+        RayHit hit;
+        if (!intersect(ray, hit)) {
+            return left;
+        }
+        const PreparedInstance& instance = scene_.instances[hit.instance];
+        if (instance.mesh->shell || !instance.material || instance.material->opaque()) {
+            return Rgb(0.0f);
+        }
+        const Surfel surfel = surfelAt(instance, ray, hit);
+        const PreviewPoint at = instance.material->at(uvAt(*instance.mesh->surface, hit), surfel.albedo);
+        left *= PreviewBsdf(at).through({0, 0, dot(surfel.normal, ray.direction)});
+        if (!(maxComponent(left) > 0)) {
+            return left;
+        }
+        ray.tNear = hit.t * (1 + 1e-6f) + scene_.shadowOffset;
+    }
+    return Rgb(0.0f);
+}
+
+int SceneRays::chooseLights(const Vec3f& point, const Vec3f& normal, PixelSampler& sampler, LightPick* picks) const {
+    // Nothing is drawn where there is nothing to choose.
+    const float u = scene_.lights.count() > std::size_t(kMaxLightsPerPath) ? sampler.next1d() : 0.0f;
+    return scene_.lights.choose(point, normal, u, kMaxLightsPerPath, picks);
+}
+
+} // namespace stf
