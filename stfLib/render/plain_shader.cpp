@@ -7,7 +7,9 @@ namespace stf {
 
 namespace {
 
-constexpr float kLeastCosine = 1e-4f; // of the viewer, where the smooth normal turns away while the triangle is seen
+constexpr float kLeastCosine = 1e-4f;   // of the viewer, where the smooth normal turns away while the triangle is seen
+constexpr float kWideSpread = 0.5f;     // radians, of Lambert's lobe and of light in a shell
+constexpr float kRegularization = 0.5f; // of a path's spread, as least alpha of the next lobe
 
 PreviewPoint lambert(const Rgb& color) {
     PreviewPoint p;
@@ -36,9 +38,16 @@ Rgb PlainShader::albedo(const PreparedInstance& instance, const Surfel& surfel, 
 }
 
 PlainShader::Vertex PlainShader::vertexAt(const PreparedInstance& instance, const Surfel& surfel, const RayHit& hit,
-                                          const Vec3f& direction) const {
+                                          const Vec3f& direction, float spread) const {
     Vertex v;
     v.at = pointAt(instance, surfel, hit);
+    if (spread > 0) {
+        // Light focused by a narrow lobe onto a wide one is found too rarely to be other than speckle: it is blurred,
+        // not lost (Kaplanyan & Dachsbacher 2013, "Path Space Regularization for Holistic and Robust Light Transport").
+        const float least = std::sqrt(kRegularization * std::min(spread, kWideSpread));
+        v.at.roughness = std::max(v.at.roughness, least);
+        v.at.clearcoatRoughness = std::max(v.at.clearcoatRoughness, least);
+    }
     v.point = surfel.point;
     v.z = dot(surfel.normal, direction) > 0 ? -surfel.normal : surfel.normal;
     v.origin = Vec3f(instance.objectToWorld.point(Vec3d(surfel.shadowOrigin))) + v.z * scene_.shadowOffset;
@@ -96,7 +105,7 @@ PlainShader::Step PlainShader::shade(LightPath& path, const PreparedInstance& in
                                      const RayHit& hit, PixelSampler& sampler) {
     Step step;
     const Vec3f direction = path.ray.direction;
-    const Vertex v = vertexAt(instance, surfel, hit, direction);
+    const Vertex v = vertexAt(instance, surfel, hit, direction, path.spread);
     const PreviewBsdf bsdf(v.at);
     float weight = 1;
     if (v.at.opacity < 1) {
@@ -161,7 +170,7 @@ LightSample PlainShader::bounced(const Vec3f& origin, const Vec3f& normal, Pixel
     if (instance.mesh->shell) {
         return light;
     }
-    const Vertex v = vertexAt(instance, surfelAt(instance, ray, hit), hit, ray.direction);
+    const Vertex v = vertexAt(instance, surfelAt(instance, ray, hit), hit, ray.direction, kWideSpread);
     light.towards = ray.direction;
     light.density = mixedHemisphereDensity(d.z);
     const float shown = v.at.opacity < 1 && v.at.presence ? v.at.opacity : 1.0f;

@@ -44,8 +44,9 @@ private:
         Vec3f toLocal(const Vec3f& d) const { return {dot(d, x), dot(d, y), dot(d, z)}; }
         Vec3f toWorld(const Vec3f& d) const { return normalize(x * d.x + y * d.y + z * d.z); }
     };
-    Vertex vertexAt(const PreparedInstance& instance, const Surfel& surfel, const RayHit& hit,
-                    const Vec3f& direction) const;
+    /// `spread`: of the path so far. What wide lobes see is no sharper: narrower lobes are widened to it.
+    Vertex vertexAt(const PreparedInstance& instance, const Surfel& surfel, const RayHit& hit, const Vec3f& direction,
+                    float spread) const;
     Rgb direct(const Vertex& vertex, const PreviewBsdf& bsdf, int domeDirections, bool shared, PixelSampler& sampler);
 
     const PreparedScene& scene_;
