@@ -97,9 +97,9 @@ PixelSample Integrator::sample(const Ray& first, const RayCone& cone, PixelSampl
     path.ray = first;
     Ray& ray = path.ray;
     Rgb& throughput = path.throughput;
-    const bool &mirrored = path.mirrored, &bounced = path.bounced;
+    const bool& mirrored = path.mirrored;
     // Light that is no part of the path's own shell.
-    const auto add = [&](Rgb light) {
+    const auto add = [&](Rgb light, bool bounced) {
         if (bounced && scene_.indirectClamp > 0) {
             light *= std::min(1.0f, scene_.indirectClamp / std::max(scene_.indirectClamp, maxComponent(light)));
         }
@@ -113,7 +113,7 @@ PixelSample Integrator::sample(const Ray& first, const RayCone& cone, PixelSampl
         const bool met = rays_.intersect(ray, hit);
         const float tMax = met ? hit.t : std::numeric_limits<float>::infinity();
         if (path.lights == LightPath::Lights::All) {
-            add(throughput * scene_.lights.mirrored(ray.origin, ray.direction, tMax));
+            add(throughput * scene_.lights.mirrored(ray.origin, ray.direction, tMax), path.bounced);
         } else if (path.lights == LightPath::Lights::Shared) {
             add(throughput *
                 scene_.lights.met(ray.origin, ray.direction, tMax, path.normal, path.density, path.domeSamples));
@@ -125,7 +125,7 @@ PixelSample Integrator::sample(const Ray& first, const RayCone& cone, PixelSampl
                 out.color += throughput * (dome ? scene_.lights.background(ray.direction) : scene_.clearColor);
                 out.alpha += average(throughput) * (dome ? 1.0f : scene_.clearAlpha);
             } else if (dome && path.lights == LightPath::Lights::All) {
-                add(throughput * scene_.lights.background(ray.direction));
+                add(throughput * scene_.lights.background(ray.direction), path.bounced);
             }
             return out;
         }
@@ -143,10 +143,10 @@ PixelSample Integrator::sample(const Ray& first, const RayCone& cone, PixelSampl
         const ShellObject* shell = instance.mesh->shell.get();
         if (!shell) {
             const Rgb before = throughput;
-            const bool seen = path.seen();
+            const bool seen = path.seen(), bounced = path.bounced;
             const PlainShader::Step step = plain_.shade(path, instance, surfel, hit, sampler);
             if (step.covers) {
-                add(before * step.radiance);
+                add(before * step.radiance, bounced);
                 out.alpha += seen ? average(before) : 0.0f;
             }
             if (step.ends) {
@@ -184,7 +184,7 @@ PixelSample Integrator::sample(const Ray& first, const RayCone& cone, PixelSampl
             const bool indirect = scene_.surfacesBounce && path.bounces < scene_.maxDepth;
             const ShellRadiance r = shadeShell(instance, surfel, direction, footprint, indirect, sampler);
             const Rgb single = inner * r.single, multiple = inner * r.multiple, core = inner * r.core;
-            add(single + multiple + core);
+            add(single + multiple + core, path.bounced);
             if (path.seen()) {
                 out.single += single;
                 out.multiple += multiple;
