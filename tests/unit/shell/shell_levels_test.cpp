@@ -347,6 +347,29 @@ TEST(ShellLevels, NothingFoldsWhereCurvatureAllowsTheThickness) {
     }
 }
 
+// Perpendicular faces whose coordinates continue each other: depth and coordinate alone would not tell them apart.
+TEST(ShellLevels, FacesAtAHardEdgeAreNotMixed) {
+    Shell s;
+    s.surface = refined(cube(ControlMesh::Scheme::None), 0.25f);
+    ASSERT_FALSE(s.surface.cornerNormals.empty());
+    s.boundary = offsetInward(s.surface, 0.2f, {});
+    s.map = analyticMap(
+        s.surface, {1, 1}, [](const Vec3d& p) { return Vec2d(p.x + p.y + p.z, p.x - p.y); },
+        [](const Vec3d&) { return Vec3d(1, 1, 1); }, [](const Vec3d&) { return Vec3d(1, -1, 0); });
+    ShellGridOptions options;
+    options.voxelSize = 0.047f;
+    const ShellGrid grid = built(s, options);
+    ShellGrid::Accessor accessor(grid);
+    Points points(27);
+    for (int i = 0; i < 20000; ++i) {
+        const double a = points.uniform(0.8, 1.0), b = points.uniform(0.8, 1.0);
+        ShellLookup l;
+        if (accessor.lookup(Vec3f(Vec3d(a, b, points.uniform(-0.5, 0.5))), l)) {
+            EXPECT_GT(std::max(l.normal.x, l.normal.y), 0.9999f);
+        }
+    }
+}
+
 TEST(ShellLevels, EdgesWorthKnowingAreReported) {
     const auto reportOf = [](ControlMesh mesh, Messages& messages, ShellGridReport& report) {
         Shell s;
