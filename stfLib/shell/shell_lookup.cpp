@@ -147,27 +147,21 @@ bool ShellReader::lookup(const Vec3f& objectPoint, int levelNumber, ShellLookup&
             }
         }
     }
-    float weights[8];
-    for (bool maySwitch = true;; maySwitch = false) {
-        const ShellSample* lane[8];
-        unsigned present = 255;
-        for (int i = 0; i < 8; ++i) {
-            lane[i] = c.sample[i ^ ref];
-        }
-        if (c.present != 255) {
-            present = 0;
-            for (int i = 0; i < 8; ++i) { // lanes that do not count must be readable
-                const bool there = c.present >> (i ^ ref) & 1;
-                present |= unsigned(there) << i;
-                lane[i] = there ? lane[i] : c.sample[ref];
-            }
-        }
-        const int better = addUp(view, tile_, lane, present, ref, f, out, weights, maySwitch);
-        if (!better) {
-            break;
-        }
-        ref ^= better;
+    const ShellSample* lane[8];
+    unsigned present = 255;
+    for (int i = 0; i < 8; ++i) {
+        lane[i] = c.sample[i ^ ref];
     }
+    if (c.present != 255) {
+        present = 0;
+        for (int i = 0; i < 8; ++i) { // lanes that do not count must be readable
+            const bool there = c.present >> (i ^ ref) & 1;
+            present |= unsigned(there) << i;
+            lane[i] = there ? lane[i] : c.sample[ref];
+        }
+    }
+    float weights[8];
+    addUp(view, tile_, lane, present, ref, f, out, weights);
     const ShellSample& reference = *c.sample[ref];
     out.triangle = reference.triangle;
     out.b1 = float(reference.b1) * (1 / 65535.0f);
