@@ -130,7 +130,7 @@ HdStfReadBinding(SdfPath const& id, std::vector<std::pair<TfToken, VtValue>> con
         } else if (name == tokens.scale) {
             reader.Read(name, value, &binding.scale, 0.0f, false);
         } else if (name == tokens.mapping) {
-            reader.Read(name, value, &binding.mapping, {"auto", "uv", "synthesize"});
+            reader.Read(name, value, &binding.mapping, {"auto", "uv", "synthesize", "blend"});
         } else if (name == tokens.coreMaterial) {
             reader.Read(name, value, &binding.coreMaterial, {});
         } else if (name == tokens.coreSigmaA) {

@@ -100,9 +100,7 @@ TriangleMesh readOff(const std::string& path) {
             }
             corners.push_back(int(v));
         }
-        for (std::size_t k = 2; k < corners.size(); ++k) {
-            mesh.triangles.push_back({corners[0], corners[k - 1], corners[k]});
-        }
+        addPolygon(mesh, corners);
     }
     if (mesh.triangles.empty()) {
         lines.refuse("holds no triangle");

@@ -8,7 +8,7 @@
 namespace stf {
 
 /// Reads an OFF file in text (Geomview; also with normals, colours or texture coordinates, which are passed over);
-/// polygons become fans. Throws Error with the path and the element: another kind of file, cut off, counts that the
+/// polygons become triangles. Throws Error with the path and the element: another kind of file, cut off, counts that the
 /// file cannot hold, faces of vertices that are not there.
 TriangleMesh readOff(const std::string& path);
 

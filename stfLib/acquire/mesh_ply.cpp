@@ -212,8 +212,8 @@ private:
                 }
                 list.push_back(corners ? int(v) : 0);
             }
-            for (std::size_t i = 2; corners && i < list.size(); ++i) {
-                mesh_.triangles.push_back({list[0], list[i - 1], list[i]});
+            if (corners) {
+                addPolygon(mesh_, list);
             }
         }
         if (e.name == "vertex") {

@@ -7,7 +7,7 @@
 
 namespace stf {
 
-/// Reads the vertices and faces of a PLY file (Turk 1994; text, binary of either byte order); polygons become fans,
+/// Reads the vertices and faces of a PLY file (Turk 1994; text, binary of either byte order); polygons become triangles,
 /// other elements and properties are passed over. Throws Error with the path and the element: not PLY, cut off, counts
 /// that the file cannot hold, faces of vertices that are not there.
 TriangleMesh readPly(const std::string& path);

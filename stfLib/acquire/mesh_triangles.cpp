@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stfLib/acquire/mesh_triangles.h"
 
+#include "stfLib/base/triangulate_face.h"
+
 namespace stf {
 
 void Box3d::add(const Vec3d& p) {
@@ -18,6 +20,26 @@ Box3d boundsOf(const TriangleMesh& mesh) {
         }
     }
     return box;
+}
+
+void addPolygon(TriangleMesh& mesh, const std::vector<int>& corners) {
+    std::vector<Vec3d> places;
+    for (int c : corners) {
+        if (std::size_t(c) < mesh.points.size()) {
+            places.push_back(mesh.points[std::size_t(c)]);
+        }
+    }
+    if (corners.size() > 3 && places.size() == corners.size()) {
+        std::vector<Vec3i> triangles;
+        triangulateFace(places, triangles);
+        for (const Vec3i& t : triangles) {
+            mesh.triangles.push_back({corners[std::size_t(t.x)], corners[std::size_t(t.y)], corners[std::size_t(t.z)]});
+        }
+        return;
+    }
+    for (std::size_t i = 2; i < corners.size(); ++i) {
+        mesh.triangles.push_back({corners[0], corners[i - 1], corners[i]});
+    }
 }
 
 double signedVolume(const TriangleMesh& mesh) {

@@ -43,6 +43,10 @@ double signedVolume(const TriangleMesh& mesh);
 /// The mesh under an affine map; a map that mirrors turns the triangles, so that outward stays outward.
 TriangleMesh transformed(const TriangleMesh& mesh, const Transform& transform);
 
+/// Adds a polygon, given by its points in order, as triangles that lie within it where it is flat, concave or not. A
+/// fan where a point is not there yet.
+void addPolygon(TriangleMesh& mesh, const std::vector<int>& corners);
+
 /// Adds the triangles of `more` to `mesh`.
 void append(TriangleMesh& mesh, const TriangleMesh& more);
 

@@ -15,6 +15,7 @@ std::shared_ptr<ShellObject> ShellBuilder::build(const std::string& id, const Co
     materials_.prepare(binding, metersPerUnit, stage, *shell);
     const MappedSurface mapped =
         mappings_.prepare(mesh, refineLevel, binding, *shell, materials_.contentHash(shell->source), stage);
+    materials_.addLevels(binding, mapped.blend != nullptr, stage, *shell);
     geometries_.prepare(mapped, stage, *shell);
     return shell;
 }

@@ -71,6 +71,7 @@ void ShellGeometries::prepare(const MappedSurface& mapped, const ShellStage& sta
     o.surface = mapped.posed ? mapped.posed : mapped.surface;
     o.boundary = seen->boundary;
     o.map = mapped.map;
+    o.blend = mapped.blend;
     o.grid = gridded->grid;
     o.pose = seen->pose;
     o.rayMesh = seen->rayMesh;

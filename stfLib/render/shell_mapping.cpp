@@ -13,6 +13,7 @@ namespace {
 
 constexpr std::size_t kMostSynthesisTriangles = 4'000'000;
 constexpr std::size_t kMostRefinedTriangles = 600'000;
+constexpr double kBlendTexels = 3; ///< between samples of a blend: weights and directions change slowly
 
 template<class... T>
 std::string format(const char* pattern, T... values) {
@@ -82,7 +83,7 @@ MappedSurface ShellMappings::prepare(const ControlMesh& given, int refineLevel, 
     // Which mapping, judged on the surface of a shell as deep as the sample, so that the thickness does not matter.
     Sampling how(mesh, refineLevel, o.source->extentMm().z / mmPerUnit);
     const std::string choiceKey =
-        rest + how.key() + ";" + binding.mapping + (o.volume->laterallyUniform() ? ";uniform" : "");
+        rest + how.key() + ";" + binding.mapping + ";volume=" + volumeHash + (o.volume->laterallyUniform() ? ";uniform" : "");
     std::optional<Sampled> limit, samples; ///< what was made on the way
     out.choice = choices_.find(choiceKey);
     if (!out.choice) {
@@ -92,6 +93,9 @@ MappedSurface ShellMappings::prepare(const ControlMesh& given, int refineLevel, 
     const float coarse = how.refine.targetEdge;
     if (out.choice->mapping == Mapping::Synthesize) {
         how.texelMm = std::max(o.volume->voxelMm.x, o.volume->voxelMm.y);
+        how.mmPerUnit = mmPerUnit;
+    } else if (out.choice->mapping == Mapping::Blend) {
+        how.texelMm = kBlendTexels * std::max(o.volume->voxelMm.x, o.volume->voxelMm.y);
         how.mmPerUnit = mmPerUnit;
     } else {
         how = Sampling(mesh, refineLevel, double(o.thicknessMm) / mmPerUnit);
@@ -150,12 +154,26 @@ void ShellMappings::addMap(const StfBinding& binding, const ShellObject& o, cons
     const double mmPerUnit = double(o.mmPerUnit);
     const bool synthesized = out.choice->mapping == Mapping::Synthesize;
     out.key += format(";mapping=%d;tile=%.17g,%.17g;scale=%.17g", int(out.choice->mapping), tile.x, tile.y, mmPerUnit);
+    if (out.choice->mapping == Mapping::Blend) {
+        out.key += format(";seed=%d", binding.seed);
+    }
     if (synthesized) {
         out.key += ";volume=" + volumeHash + format(";seed=%d", binding.seed);
     }
     const auto finish = [&](bool ran, const char* how) {
         stage.note("synthesis", ran, out.choice->why + "; " + out.map->description + how, timer.seconds());
     };
+    if (out.choice->mapping == Mapping::Blend) {
+        out.blend = blendMaps_.find(out.key);
+        const bool kept = out.blend != nullptr;
+        if (!kept) {
+            out.blend = blendMaps_.keep(out.key, blendMap(*out.surface, tile, mmPerUnit,
+                                                          std::uint64_t(std::uint32_t(binding.seed)), stage.progress));
+        }
+        out.map = std::shared_ptr<const ExemplarMap>(out.blend, &out.blend->first);
+        finish(!kept, kept ? "; already in memory" : "");
+        return;
+    }
     if ((out.map = exemplarMaps_.find(out.key))) {
         finish(false, "; already in memory");
         return;
@@ -204,6 +222,7 @@ void ShellMappings::dropUnused() {
     surfaces_.dropUnused();
     poses_.dropUnused();
     exemplarMaps_.dropUnused();
+    blendMaps_.dropUnused();
 }
 
 } // namespace stf

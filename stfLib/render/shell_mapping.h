@@ -4,6 +4,7 @@
 #include "stfLib/render/shell_object.h"
 #include "stfLib/render/shell_stage.h"
 #include "stfLib/render/stage_cache.h"
+#include "stfLib/synthesis/blend_map.h"
 #include "stfLib/synthesis/choose_mapping.h"
 
 namespace stf {
@@ -15,6 +16,7 @@ struct MappedSurface {
     std::shared_ptr<const MappingChoice> choice;
     std::shared_ptr<const RefinedSurface> surface;
     std::shared_ptr<const ExemplarMap> map;
+    std::shared_ptr<const BlendMap> blend; ///< holds `map` where the mapping is Blend; else null
     std::shared_ptr<const RefinedSurface> posed; ///< null: it is seen at rest
 };
 
@@ -44,6 +46,7 @@ private:
     StageCache<MappingChoice> choices_;
     StageCache<RefinedSurface> surfaces_, poses_;
     StageCache<ExemplarMap> exemplarMaps_;
+    StageCache<BlendMap> blendMaps_;
     struct Seen {
         std::string topology, points;
     };

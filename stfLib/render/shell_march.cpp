@@ -22,9 +22,29 @@ Vec3f topOfTile(const ShellObject& object, const Vec2f& mm) {
     return {float(double(mm.x) / voxel.x), float(double(mm.y) / voxel.y), 0};
 }
 
+BlendPlace ShellMarch::blendAt(const ShellLookup& at, const Vec3f& perMm) const {
+    const TriangleBlend& t = object_.blend->triangles[at.triangle];
+    const Vec2d& tile = object_.blend->first.tileMm;
+    const PlacesAt here = placesAt(t, at.exemplar, {float(tile.x), float(tile.y)});
+    BlendPlace out;
+    out.weight = here.weight;
+    for (std::size_t i = 0; i < 2; ++i) {
+        out.alongX[i] = {t.across[i][0].x, t.across[i][0].y * (perMm.y / perMm.x)};
+        out.alongY[i] = {t.across[i][1].x * (perMm.x / perMm.y), t.across[i][1].y};
+        out.origin[i] = Vec2f(here.other[i].x * perMm.x, here.other[i].y * perMm.y) -
+                        out.alongX[i] * (at.exemplar.x * perMm.x) - out.alongY[i] * (at.exemplar.y * perMm.y);
+    }
+    return out;
+}
+
 ShellMarch::ShellMarch(const ShellObject& object, const Rgb* coreRadiancePerSample)
-    : object_(object), probe_(*object.grid, object.pose.get()), core_(coreRadiancePerSample),
-      tile_(*object.medium, *object.table) {}
+    : object_(object), probe_(*object.grid, object.pose.get()), core_(coreRadiancePerSample) {
+    const std::vector<TilePyramid::Level>& levels = object.pyramid->levels();
+    tiles_.reserve(levels.size());
+    for (std::size_t l = 0; l < levels.size(); ++l) {
+        tiles_.emplace_back(*levels[l].medium, *levels[l].table, object.blend ? object.mixers[l].get() : nullptr);
+    }
+}
 
 float ShellMarch::iorAt(const Vec3f& point, std::uint32_t triangle) {
     ShellLookup at;
@@ -51,7 +71,11 @@ float ShellMarch::iorAt(const Vec3f& point, std::uint32_t triangle) {
 ShellRadiance ShellMarch::march(const Vec3f& entry, std::uint32_t triangle, const Vec3f& direction, float footprintMm,
                                 const ShellLight* lights, int lightCount, PixelSampler& sampler) {
     const ShellObject& o = object_;
-    const Vec3d& voxelMm = o.medium->voxelMm();
+    // Nothing is drawn where there is nothing to choose.
+    const bool choose = tiles_.size() > 1 && footprintMm > 0;
+    const int tileLevel = choose ? o.pyramid->levelFor(footprintMm, sampler.next1d()) : 0;
+    TileMarch& tile = tiles_[std::size_t(tileLevel)];
+    const Vec3d& voxelMm = o.pyramid->levels()[std::size_t(tileLevel)].medium->voxelMm();
     const Vec3f perMm{float(1 / voxelMm.x), float(1 / voxelMm.y), float(1 / voxelMm.z)};
     const int level = o.grid->levelFor(footprintMm);
     const float step = o.grid->voxelSize(level);
@@ -61,7 +85,7 @@ ShellRadiance ShellMarch::march(const Vec3f& entry, std::uint32_t triangle, cons
         tileLights[l].forSingle = lights[l].forSingle;
         tileLights[l].forMultiple = lights[l].forMultiple;
     }
-    tile_.begin(sampler);
+    tile.begin(sampler);
     probe_.enter(triangle);
 
     ShellRadiance result;
@@ -108,19 +132,22 @@ ShellRadiance ShellMarch::march(const Vec3f& entry, std::uint32_t triangle, cons
         for (int l = 0; l < lightCount; ++l) {
             tileLights[l].towards = frame.toTile(lights[l].towards);
         }
-        tile_.setFrame(tileLights, lightCount, frame.toTile(-direction));
+        tile.setFrame(tileLights, lightCount, frame.toTile(-direction));
         // Voxels per millimetre of the way, from gradients in millimetres per object unit.
         const Vec3f tileDirection{dot(at.gradX, direction) * perMm.x / o.mmPerUnit,
                                   dot(at.gradY, direction) * perMm.y / o.mmPerUnit,
                                   -dot(at.normal, direction) * perMm.z};
         const Vec3f tilePosition{at.exemplar.x * perMm.x, at.exemplar.y * perMm.y, at.depth * perMm.z};
-        goesOn = tile_.segment(tilePosition - tileDirection * ((middle - t0) * o.mmPerUnit), tileDirection,
+        if (o.blend) {
+            tile.setBlend(blendAt(at, perMm));
+        }
+        goesOn = tile.segment(tilePosition - tileDirection * ((middle - t0) * o.mmPerUnit), tileDirection,
                                (t1 - t0) * o.mmPerUnit, at.coreRadiance);
     }
-    const TileRadiance collected = tile_.finish();
+    const TileRadiance collected = tile.finish();
     result.single = collected.single;
     result.multiple = collected.multiple;
-    result.transmittance = tile_.transmittance();
+    result.transmittance = tile.transmittance();
     if (goesOn && bounded && !result.throughSurface) {
         result.reachedCore = true;
         if (known && !o.coreBlack) {

@@ -36,7 +36,7 @@ private:
 };
 
 /// Marches object-space rays through one shell: follows the grid's exemplar coordinates and hands straight pieces, one
-/// per grid voxel, to a TileMarch; at the end the core shines through what is left of the ray.
+/// per grid voxel, to a TileMarch (of the tile's level that the footprint asks for); at the end the core shines through what is left of the ray.
 /// One march per thread and object: it holds a probe.
 class ShellMarch {
 public:
@@ -55,10 +55,13 @@ public:
     float iorAt(const Vec3f& surfacePoint, std::uint32_t triangle);
 
 private:
+    /// Which places of the sample a lookup shows, in voxels of a level.
+    BlendPlace blendAt(const ShellLookup& at, const Vec3f& voxelsPerMm) const;
+
     const ShellObject& object_;
     ShellProbe probe_;
     const Rgb* core_;
-    TileMarch tile_;
+    std::vector<TileMarch> tiles_; ///< of the levels of the tile
 };
 
 /// The exemplar coordinate (mm) of a point of the surface as a position at the top of the tile, voxel units.

@@ -13,6 +13,8 @@ namespace stf {
 
 namespace {
 
+constexpr double kLevelError = 0.5; ///< of the tables' own error, by which coarser levels may change radiance
+
 // Mean diffusion length of the filled voxels, mm: the distance over which multiple scattering blurs shadows.
 double blurLengthMm(const BaseVolume& v) {
     const MeanCoefficients mean = meanCoefficients(v);
@@ -123,7 +125,47 @@ std::string ShellMaterials::contentHash(const std::shared_ptr<const BaseVolume>&
     return hash;
 }
 
+void ShellMaterials::addLevels(const StfBinding& binding, bool blends, const ShellStage& stage, ShellObject& o) {
+    const StageTimer timer;
+    std::ostringstream key;
+    key << static_cast<const void*>(o.table.get()) << ";" << static_cast<const void*>(o.medium.get()) << ";"
+        << !o.coreBlack << ";" << qualityOf(binding, stage);
+    o.pyramid = pyramids_.find(key.str());
+    const bool kept = o.pyramid != nullptr;
+    if (!kept) {
+        o.pyramid = pyramids_.keep(key.str(), TilePyramid(*o.volume, o.medium, o.table, !o.coreBlack,
+                                                          kLevelError * double(qualityOf(binding, stage))));
+    }
+    const std::size_t coarser = o.pyramid->levels().size() - 1;
+    std::ostringstream text;
+    text.precision(2);
+    text << "coarser levels of the sample: " << coarser;
+    if (coarser) {
+        text << ", errors up to " << 100 * o.pyramid->levels().back().error << " %";
+    }
+    text << "; " << o.pyramid->why();
+    if (coarser) {
+        stage.noteKept("prefilter", kept, text.str(), timer.seconds());
+    } else {
+        stage.note("prefilter", false, text.str(), timer.seconds());
+    }
+    if (blends) {
+        using Mixers = std::vector<std::shared_ptr<const HistogramBlend>>;
+        auto mixers = mixers_.find(key.str());
+        if (!mixers) {
+            Mixers made;
+            for (const TilePyramid::Level& l : o.pyramid->levels()) {
+                made.push_back(std::make_shared<const HistogramBlend>(*l.medium, l.table.get(), !o.coreBlack));
+            }
+            mixers = mixers_.keep(key.str(), std::move(made));
+        }
+        o.mixers = *mixers;
+    }
+}
+
 void ShellMaterials::dropUnused() {
+    mixers_.dropUnused();
+    pyramids_.dropUnused();
     crops_.dropUnused();
     for (auto it = volumes_.begin(); it != volumes_.end();) {
         it = it->second.volume.use_count() <= 1 ? volumes_.erase(it) : std::next(it);
@@ -160,14 +202,18 @@ void ShellMaterials::crop(const StfBinding& binding, const ShellStage& stage, Sh
     o.thicknessMm = float(o.volume->extentMm().z);
 }
 
-void ShellMaterials::addTransport(const StfBinding& binding, const ShellStage& stage, ShellObject& o) {
+float ShellMaterials::qualityOf(const StfBinding& binding, const ShellStage& stage) {
     const float quality = binding.quality > 0 ? binding.quality : stage.settings.quality;
     if (!(quality > 0) || !std::isfinite(quality)) {
         throw Error("stf:quality must be positive and finite");
     }
+    return quality;
+}
+
+void ShellMaterials::addTransport(const StfBinding& binding, const ShellStage& stage, ShellObject& o) {
     const StageTimer timer;
     TransportOptions options;
-    options.quality = quality;
+    options.quality = qualityOf(binding, stage);
     options.form = formOf(binding, stage.settings, stage.messages);
     const std::string key = contentHash(o.volume) + ";" + options.key();
     const auto met = transports_.find(key);

@@ -15,6 +15,8 @@ public:
 
     /// Fills volumes, scale, thickness, core, table and medium of a shell. Throws Error with the reason.
     void prepare(const StfBinding& binding, double metersPerUnit, const ShellStage& stage, ShellObject& shell);
+    /// Adds what pixels of any footprint read: coarser levels of the tile and, where the surface blends, their mixers.
+    void addLevels(const StfBinding& binding, bool blends, const ShellStage& stage, ShellObject& shell);
     /// `prepare`d volumes by their content: what the stages of the surface depend on.
     std::string contentHash(const std::shared_ptr<const BaseVolume>& volume);
     void dropUnused();
@@ -31,12 +33,15 @@ private:
     };
 
     std::shared_ptr<const BaseVolume> volume(const std::string& path);
+    static float qualityOf(const StfBinding& binding, const ShellStage& stage);
     void crop(const StfBinding& binding, const ShellStage& stage, ShellObject& shell);
     void addTransport(const StfBinding& binding, const ShellStage& stage, ShellObject& shell);
 
     TableProvider tables_;
     MessageSink messages_;
     std::map<std::string, CachedVolume> volumes_;
+    StageCache<TilePyramid> pyramids_;
+    StageCache<std::vector<std::shared_ptr<const HistogramBlend>>> mixers_;
     StageCache<BaseVolume> crops_;                                                     ///< by content and layers
     std::map<std::string, Transport> transports_;                                      ///< by content and options
     std::map<std::weak_ptr<const BaseVolume>, std::string, std::owner_less<>> hashes_; ///< of volumes in memory

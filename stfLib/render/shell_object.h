@@ -2,8 +2,11 @@
 #pragma once
 
 #include "stfLib/core/dipole.h"
+#include "stfLib/render/tile_pyramid.h"
 #include "stfLib/shell/posed_shell.h"
 #include "stfLib/surface/ray_scene.h"
+#include "stfLib/synthesis/blend_map.h"
+#include "stfLib/transport/histogram_blend.h"
 #include "stfLib/transport/stf_table.h"
 #include "stfLib/transport/tile_medium.h"
 #include "stfLib/volume/base_volume.h"
@@ -22,6 +25,9 @@ struct ShellObject {
     std::shared_ptr<const RefinedSurface> surface; ///< as it is seen
     std::shared_ptr<const ShellBoundary> boundary; ///< as it is seen
     std::shared_ptr<const ExemplarMap> map;        ///< of the rest pose, where there is one
+    std::shared_ptr<const BlendMap> blend;         ///< which places points show besides; null: none
+    std::shared_ptr<const TilePyramid> pyramid;    ///< medium and table for pixels of any footprint
+    std::vector<std::shared_ptr<const HistogramBlend>> mixers; ///< of each of its levels, where there is a blend
     std::shared_ptr<const ShellGrid> grid;         ///< of the rest pose, where there is one
     std::shared_ptr<const PosedShell> pose;        ///< from what is seen to the rest pose; null: that is what is seen
     std::shared_ptr<const RayMesh> rayMesh;

@@ -53,6 +53,9 @@ public:
 private:
     static void rowOf(const ShellLeaf& leaf, int row, int z, int corner, Corners& out);
     bool corners(LevelView& view, int x, int y, int z, Corners& out) const;
+    /// What the corners say, by a reference; see addUp in the kernel.
+    int addUpFrom(const LevelView& view, const Corners& c, int ref, const Vec3f& f, ShellLookup& out,
+                  float (&weights)[8]) const;
 
     std::vector<LevelView> views_;
     Vec2f tile_;

@@ -119,6 +119,24 @@ bool ShellReader::corners(LevelView& view, int x, int y, int z, Corners& out) co
     return out.present != 0;
 }
 
+int ShellReader::addUpFrom(const LevelView& view, const Corners& c, int ref, const Vec3f& f, ShellLookup& out,
+                           float (&weights)[8]) const {
+    const ShellSample* lane[8];
+    unsigned present = 255;
+    for (int i = 0; i < 8; ++i) {
+        lane[i] = c.sample[i ^ ref];
+    }
+    if (c.present != 255) {
+        present = 0;
+        for (int i = 0; i < 8; ++i) { // lanes that do not count must be readable
+            const bool there = c.present >> (i ^ ref) & 1;
+            present |= unsigned(there) << i;
+            lane[i] = there ? lane[i] : c.sample[ref];
+        }
+    }
+    return addUp(view, tile_, lane, present, ref, f, out, weights);
+}
+
 bool ShellReader::lookup(const Vec3f& objectPoint, int levelNumber, ShellLookup& out, const Rgb* core) {
     if (views_.empty()) {
         return false;
@@ -147,21 +165,11 @@ bool ShellReader::lookup(const Vec3f& objectPoint, int levelNumber, ShellLookup&
             }
         }
     }
-    const ShellSample* lane[8];
-    unsigned present = 255;
-    for (int i = 0; i < 8; ++i) {
-        lane[i] = c.sample[i ^ ref];
-    }
-    if (c.present != 255) {
-        present = 0;
-        for (int i = 0; i < 8; ++i) { // lanes that do not count must be readable
-            const bool there = c.present >> (i ^ ref) & 1;
-            present |= unsigned(there) << i;
-            lane[i] = there ? lane[i] : c.sample[ref];
-        }
-    }
     float weights[8];
-    addUp(view, tile_, lane, present, ref, f, out, weights);
+    if (const int nearer = addUpFrom(view, c, ref, f, out, weights)) {
+        ref ^= nearer;
+        addUpFrom(view, c, ref, f, out, weights);
+    }
     const ShellSample& reference = *c.sample[ref];
     out.triangle = reference.triangle;
     out.b1 = float(reference.b1) * (1 / 65535.0f);

@@ -38,31 +38,11 @@ ConnectionEnergy energyOf(const SurfaceGraph& g, const std::vector<Vec3f>& guide
     l.link.assign(g.neighbour.size(), {});
     l.diagonal.assign(g.size(), 0);
     l.mass.resize(g.size());
-    // Cotangent weights, not below a share of their mean: obtuse triangles must not make the energy indefinite.
-    std::vector<float> weight(g.neighbour.size(), 0);
-    const auto slot = [&](int a, int b) {
-        const auto begin = g.neighbour.begin() + g.first[std::size_t(a)],
-                   end = g.neighbour.begin() + g.first[std::size_t(a) + 1];
-        return std::size_t(std::lower_bound(begin, end, b) - g.neighbour.begin());
-    };
-    for (const Vec3i& t : g.triangles) {
-        if (t.x == t.y || t.y == t.z || t.z == t.x) {
-            continue;
-        }
-        for (int c = 0; c < 3; ++c) {
-            const int a = t[(c + 1) % 3], b = t[(c + 2) % 3];
-            const Vec3d p(g.points[std::size_t(t[c])]);
-            const Vec3d u = Vec3d(g.points[std::size_t(a)]) - p, v = Vec3d(g.points[std::size_t(b)]) - p;
-            const double area2 = length(cross(u, v));
-            const float w = area2 > 0 ? float(std::clamp(0.5 * dot(u, v) / area2, -2.0, 2.0)) : 0.0f;
-            weight[slot(a, b)] += w;
-            weight[slot(b, a)] += w;
-        }
-    }
+    const std::vector<float> weight = cotangentWeights(g);
     parallelFor(g.size(), 4096, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             for (int k = g.first[i]; k < g.first[i + 1]; ++k) {
-                const double w = std::max(0.05, double(weight[std::size_t(k)]));
+                const double w = double(weight[std::size_t(k)]);
                 l.link[std::size_t(k)] =
                     std::complex<float>(w * transport(g, std::size_t(g.neighbour[std::size_t(k)]), i));
                 l.diagonal[i] += w;

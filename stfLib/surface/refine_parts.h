@@ -3,6 +3,7 @@
 
 // Private to the surface layer: what subdivision and polygon refinement share.
 
+#include "stfLib/base/triangulate_face.h"
 #include "stfLib/surface/refined_surface.h"
 
 namespace stf {
@@ -21,10 +22,6 @@ std::vector<Vec3f> angleWeightedNormals(const std::vector<Vec3f>& points, const 
 
 /// Angle at corner `c` of a triangle, radians.
 float cornerAngle(const std::vector<Vec3f>& points, const Vec3i& triangle, int c);
-
-/// Triangulates one face, given by its corners in order: a shortest valid diagonal for quads, ear clipping for concave
-/// polygons, a fan otherwise. Appends triples of local corner numbers.
-void triangulateFace(const std::vector<Vec3d>& corners, std::vector<Vec3i>& out);
 
 /// One value per control point; values of faces and face vertices are averaged there. Empty: there are none.
 std::vector<Vec3f> controlPointValues(const ControlMesh& mesh, const std::vector<Vec3f>& values,

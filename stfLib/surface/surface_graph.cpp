@@ -106,4 +106,33 @@ SurfaceGraph surfaceGraph(const RefinedSurface& surface) {
     return g;
 }
 
+int linkOf(const SurfaceGraph& g, int u, int v) {
+    const auto begin = g.neighbour.begin() + g.first[std::size_t(u)],
+               end = g.neighbour.begin() + g.first[std::size_t(u) + 1];
+    const auto it = std::lower_bound(begin, end, v);
+    return it != end && *it == v ? int(it - g.neighbour.begin()) : -1;
+}
+
+std::vector<float> cotangentWeights(const SurfaceGraph& g) {
+    std::vector<float> weight(g.neighbour.size(), 0);
+    for (const Vec3i& t : g.triangles) {
+        if (t.x == t.y || t.y == t.z || t.z == t.x) {
+            continue;
+        }
+        for (int c = 0; c < 3; ++c) {
+            const int a = t[(c + 1) % 3], b = t[(c + 2) % 3];
+            const Vec3d p(g.points[std::size_t(t[c])]);
+            const Vec3d u = Vec3d(g.points[std::size_t(a)]) - p, v = Vec3d(g.points[std::size_t(b)]) - p;
+            const double area2 = length(cross(u, v));
+            const float w = area2 > 0 ? float(std::clamp(0.5 * dot(u, v) / area2, -2.0, 2.0)) : 0.0f;
+            weight[std::size_t(linkOf(g, a, b))] += w;
+            weight[std::size_t(linkOf(g, b, a))] += w;
+        }
+    }
+    for (float& w : weight) {
+        w = std::max(0.05f, w);
+    }
+    return weight;
+}
+
 } // namespace stf

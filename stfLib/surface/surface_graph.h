@@ -24,4 +24,11 @@ struct SurfaceGraph {
 
 SurfaceGraph surfaceGraph(const RefinedSurface& surface);
 
+/// The link from u to v, or -1.
+int linkOf(const SurfaceGraph& graph, int u, int v);
+
+/// Weight of each link for the surface's Laplacian: half the cotangents of the angles opposite (Pinkall & Polthier
+/// 1993), those of slivers bounded, not below a twentieth: obtuse triangles must not make energies indefinite.
+std::vector<float> cotangentWeights(const SurfaceGraph& graph);
+
 } // namespace stf

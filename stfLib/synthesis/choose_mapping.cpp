@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stfLib/synthesis/choose_mapping.h"
 
+#include "stfLib/synthesis/stochastic_sample.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -88,14 +90,21 @@ MappingChoice chooseMapping(const std::string& mapping, const RefinedSurface& su
     if (mapping == "synthesize" && !uniform) {
         return {Mapping::Synthesize, "mapping is synthesize"};
     }
+    if (mapping == "blend" && !uniform) {
+        return volume.hasRelief()         ? MappingChoice{Mapping::Synthesize, "mapping is blend, but a relief cannot be blended"}
+               : !volume.emission.empty() ? MappingChoice{Mapping::Synthesize, "mapping is blend, but emission cannot be blended"}
+                                          : MappingChoice{Mapping::Blend, "mapping is blend"};
+    }
     const std::string flaw = flawOfUvs(surface);
-    if (mapping != "synthesize" && flaw.empty()) {
+    if (mapping != "synthesize" && mapping != "blend" && flaw.empty()) {
         return {Mapping::Uv, "mapping is auto and texture coordinates are usable"};
     }
     if (uniform) {
         return {Mapping::Anywhere, "the sample is the same everywhere"};
     }
-    return {Mapping::Synthesize, "mapping is auto and there are " + flaw};
+    const Randomness sample = judgeRandomness(volume);
+    return {sample.stochastic ? Mapping::Blend : Mapping::Synthesize,
+            "mapping is auto, there are " + flaw + ", and of the sample " + sample.why};
 }
 
 ExemplarMap mapAnywhere(const RefinedSurface& surface, const Vec2d& tileMm, double unitsPerMm) {

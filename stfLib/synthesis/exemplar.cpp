@@ -2,8 +2,10 @@
 #include "stfLib/synthesis/exemplar.h"
 
 #include "stfLib/base/parallel.h"
+#include "stfLib/optics/semi_infinite.h"
 #include "stfLib/synthesis/column_response.h"
 #include "stfLib/synthesis/similar_texels.h"
+#include "stfLib/volume/volume_statistics.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -320,6 +322,10 @@ Exemplar makeExemplar(const BaseVolume& volume, const std::vector<Rgb>& response
     e.similarCoarse = similarTexels(e.stack[std::min<std::size_t>(2, e.stack.size() - 1)], kSimilar);
     e.ownError = ownNeighbourhoodError(e.stack[0], e.similar, kSimilar);
     addParameters(volume, e);
+    Material mean;
+    mean.sigmaA = meanCoefficients(volume).sigmaA;
+    mean.sigmaS = meanCoefficients(volume).sigmaSPrime;
+    e.diffusionMm = diffusionLengthMm(mean);
     progress.update("appearance space", 1);
     return e;
 }

@@ -41,6 +41,7 @@ struct Exemplar {
     /// The same in what a Gaussian of two texels leaves: alike in structure, not in detail.
     std::vector<int> similarCoarse;
     std::vector<Rgb> response; ///< reflectance per texel
+    Vec3d diffusionMm;         ///< diffusion length of the mean coefficients, per channel; infinite without absorption
     /// Parameters per texel for histograms: mean log10 of extinction, mean albedo (green), height of the surface.
     std::vector<std::vector<float>> parameters;
     std::vector<std::string> parameterNames;

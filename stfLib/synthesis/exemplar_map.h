@@ -7,7 +7,7 @@
 namespace stf {
 
 /// Grows with every change of the algorithm that gives another map for the same input: what was kept is made again.
-constexpr int kSynthesisVersion = 1;
+constexpr int kSynthesisVersion = 2;
 
 /// Where each corner of each triangle of a surface lies in the exemplar: coordinates in tile millimetres, any
 /// representative modulo the tile, continuous within a triangle; and the gradients of both coordinates over the

@@ -95,12 +95,8 @@ SurfaceCoords healBreaks(const SurfaceGraph& g, const SurfaceSteps& steps, const
     // A link is broken for both its ends or for none: they may round differently.
     for (std::size_t v = 0; v < g.size(); ++v) {
         for (int k = g.first[v]; k < g.first[v + 1]; ++k) {
-            const int u = g.neighbour[std::size_t(k)];
-            const auto begin = g.neighbour.begin() + g.first[std::size_t(u)],
-                       end = g.neighbour.begin() + g.first[std::size_t(u) + 1];
-            const std::size_t other = std::size_t(std::lower_bound(begin, end, int(v)) - g.neighbour.begin());
             if (out.broken[std::size_t(k)]) {
-                out.broken[other] = 1;
+                out.broken[std::size_t(linkOf(g, g.neighbour[std::size_t(k)], int(v)))] = 1;
             }
         }
     }

@@ -5,41 +5,35 @@
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 #endif
-#include <boost/graph/adjacency_list.hpp>
 #include <boost/graph/boykov_kolmogorov_max_flow.hpp>
+#include <boost/graph/compressed_sparse_row_graph.hpp>
+#include <cstdint>
 #include <vector>
 
 namespace stf {
 
 namespace {
 
-using Traits = boost::adjacency_list_traits<boost::vecS, boost::vecS, boost::directedS>;
-using VertexProperties =
-    boost::property<boost::vertex_color_t, boost::default_color_type,
-                    boost::property<boost::vertex_distance_t, long,
-                                    boost::property<boost::vertex_predecessor_t, Traits::edge_descriptor>>>;
-using EdgeProperties =
-    boost::property<boost::edge_capacity_t, float,
-                    boost::property<boost::edge_residual_capacity_t, float,
-                                    boost::property<boost::edge_reverse_t, Traits::edge_descriptor>>>;
-using Graph = boost::adjacency_list<boost::vecS, boost::vecS, boost::directedS, VertexProperties, EdgeProperties>;
+/// Arcs in one array, sorted by their source: an adjacency list would allocate each of them.
+using Graph = boost::compressed_sparse_row_graph<boost::directedS, boost::no_property, boost::no_property,
+                                                 boost::no_property, std::uint32_t, std::uint32_t>;
+using Edge = boost::graph_traits<Graph>::edge_descriptor;
 
 } // namespace
 
 struct MinCut::Impl {
-    explicit Impl(std::size_t nodes) : graph(nodes + 2), source(nodes), sink(nodes + 1), terminal(nodes, 0.0f) {}
+    explicit Impl(std::size_t nodes) : source(nodes), sink(nodes + 1), terminal(nodes, 0.0f) {}
 
-    void connect(std::size_t a, std::size_t b, float capacity) {
-        const Traits::edge_descriptor e = boost::add_edge(a, b, graph).first, r = boost::add_edge(b, a, graph).first;
-        boost::put(boost::edge_capacity, graph, e, capacity);
-        boost::put(boost::edge_capacity, graph, r, 0.0f);
-        boost::put(boost::edge_reverse, graph, e, r);
-        boost::put(boost::edge_reverse, graph, r, e);
-    }
+    /// An arc and its reverse; the reverse carries nothing at first.
+    struct Pair {
+        std::uint32_t from, to;
+        float capacity;
+    };
 
-    Graph graph;
     std::size_t source, sink;
     std::vector<float> terminal;
+    std::vector<Pair> pairs;
+    std::vector<boost::default_color_type> colour; ///< of the search trees, per node
 };
 
 MinCut::MinCut(std::size_t nodes) : impl_(std::make_unique<Impl>(nodes)) {}
@@ -51,25 +45,59 @@ void MinCut::addTerminal(std::size_t node, float cost) {
 
 void MinCut::addPair(std::size_t a, std::size_t b, float cost) {
     if (cost > 0) {
-        impl_->connect(a, b, cost);
+        impl_->pairs.push_back({std::uint32_t(a), std::uint32_t(b), cost});
     }
 }
 
 void MinCut::solve() {
-    for (std::size_t n = 0; n < impl_->terminal.size(); ++n) {
-        const float cost = impl_->terminal[n];
+    Impl& m = *impl_;
+    for (std::size_t n = 0; n < m.terminal.size(); ++n) {
+        const float cost = m.terminal[n];
         if (cost > 0) {
-            impl_->connect(impl_->source, n, cost);
+            m.pairs.push_back({std::uint32_t(m.source), std::uint32_t(n), cost});
         } else if (cost < 0) {
-            impl_->connect(n, impl_->sink, -cost);
+            m.pairs.push_back({std::uint32_t(n), std::uint32_t(m.sink), -cost});
         }
     }
-    boost::boykov_kolmogorov_max_flow(impl_->graph, impl_->source, impl_->sink);
+    // Where the arcs of each node start.
+    const std::size_t nodes = m.terminal.size() + 2, arcs = 2 * m.pairs.size();
+    std::vector<std::uint32_t> next(nodes + 1, 0);
+    for (const Impl::Pair& p : m.pairs) {
+        ++next[p.from + 1];
+        ++next[p.to + 1];
+    }
+    for (std::size_t n = 0; n < nodes; ++n) {
+        next[n + 1] += next[n];
+    }
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> ends(arcs);
+    std::vector<float> capacity(arcs, 0.0f), residual(arcs);
+    std::vector<Edge> reverse(arcs);
+    for (const Impl::Pair& p : m.pairs) {
+        const std::uint32_t there = next[p.from]++, back = next[p.to]++;
+        ends[there] = {p.from, p.to};
+        ends[back] = {p.to, p.from};
+        capacity[there] = p.capacity;
+        reverse[there] = Edge(p.to, back);
+        reverse[back] = Edge(p.from, there);
+    }
+    const Graph graph(boost::edges_are_sorted, ends.begin(), ends.end(), std::uint32_t(nodes));
+    ends = {};
+    m.colour.assign(nodes, boost::default_color_type());
+    std::vector<Edge> predecessor(nodes);
+    std::vector<long> distance(nodes);
+    const auto edgeIndex = boost::get(boost::edge_index, graph);
+    const auto vertexIndex = boost::get(boost::vertex_index, graph);
+    const auto map = [](auto& values, const auto& index) {
+        return boost::make_iterator_property_map(values.begin(), index);
+    };
+    boost::boykov_kolmogorov_max_flow(graph, map(capacity, edgeIndex), map(residual, edgeIndex),
+                                      map(reverse, edgeIndex), map(predecessor, vertexIndex),
+                                      map(m.colour, vertexIndex), map(distance, vertexIndex), vertexIndex,
+                                      std::uint32_t(m.source), std::uint32_t(m.sink));
 }
 
 bool MinCut::onSink(std::size_t node) const {
-    return boost::get(boost::vertex_color, impl_->graph, node) ==
-           boost::get(boost::vertex_color, impl_->graph, impl_->sink);
+    return impl_->colour[node] == impl_->colour[impl_->sink];
 }
 
 } // namespace stf

@@ -7,7 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <numeric>
 
 namespace stf {
 
@@ -19,10 +19,16 @@ constexpr int kFineSamples = 800;  ///< and in the second
 constexpr int kJumpSamples = 40;   ///< whose texels alike become candidates
 constexpr int kRandomCandidates = 48;
 constexpr int kFinalists = 24;
-constexpr int kBins = 16;        ///< of the usage map, along each axis
-constexpr float kCap = 8;        ///< a mismatch counts at most this many times the sample's own: then it is a break
-constexpr double kVisible = 2.5; ///< steps of lightness, over a neighbourhood
-constexpr float kRival = 0.12f;  ///< of remoteness: where two charts may meet
+constexpr int kBins = 16;                  ///< of the usage map, along each axis
+constexpr int kBells = 32;                 ///< of the map of what is shown nearby: places along each axis
+constexpr std::size_t kQuantiles = 16;     ///< of a parameter's distribution
+constexpr std::size_t kBudgetSamples = 40; ///< of a chart, for what it adds to distributions
+constexpr double kWantedKs = 0.03;         ///< what the surface's distributions may be off
+constexpr double kWantedDeltaR = 0.01;
+constexpr float kNoticed = 0.02f; ///< of an ordinary chart's area: what shows less is not seen to repeat
+constexpr float kCap = 8;         ///< a mismatch counts at most this many times the sample's own: then it is a break
+constexpr double kVisible = 2.5;  ///< steps of lightness, over a neighbourhood
+constexpr float kRival = 0.12f;   ///< of remoteness: where two charts may meet
 
 /// A place where a chart overlaps another that has chosen.
 struct Constraint {
@@ -51,6 +57,7 @@ public:
         // And where every seam is seen, repetition is the lesser evil.
         variety_ = float(std::pow(kVisible / std::max(ex.ownError, kVisible), 8));
         findCores();
+        sortParameters();
     }
 
     std::vector<Vec2f> run(Progress& progress) {
@@ -92,6 +99,24 @@ private:
                 c[n++] = c[i];
             }
             c.resize(n);
+        }
+        // The charts that show most set what is ordinary.
+        std::vector<float> area;
+        for (std::size_t c = 0; c < core_.size(); ++c) {
+            area.push_back(coreWeight_[c] * float(core_[c].size()));
+        }
+        weight_ = area;
+        std::sort(area.begin(), area.end(), std::greater<>());
+        double sum = 0, total = std::accumulate(area.begin(), area.end(), 0.0), ordinary = 1;
+        for (float a : area) {
+            sum += double(a);
+            ordinary = double(a);
+            if (sum >= 0.5 * total) {
+                break;
+            }
+        }
+        for (float& w : weight_) {
+            w = float(std::min(1.0, double(w) / std::max(1.0, ordinary)));
         }
     }
 
@@ -173,8 +198,15 @@ private:
 
     void use(int c, float sign) {
         for (int e : core_[std::size_t(c)]) {
-            usage_[bin(cover_.coord[std::size_t(e)] + offset_[std::size_t(c)])] += sign * coreWeight_[std::size_t(c)];
-            used_ += double(sign * coreWeight_[std::size_t(c)]);
+            const Vec2f shown = cover_.coord[std::size_t(e)] + offset_[std::size_t(c)];
+            const double weight = double(sign * coreWeight_[std::size_t(c)]);
+            usage_[bin(shown)] += float(weight);
+            used_ += weight;
+            const std::size_t t = texel(shown);
+            for (Distribution& d : distributions_) {
+                d.shown[d.quantile[t]] += weight;
+            }
+            shownResponse_ += Vec3d(ex_.response[t]) * weight;
         }
     }
 
@@ -278,21 +310,100 @@ private:
         return out;
     }
 
-    float mismatch(const std::vector<Constraint>& constraints, const Vec2f& offset,
-                   const AppearanceImage& image) const {
+    /// What the constraints ask for, in an image: the same for every candidate.
+    std::vector<AppearanceImage::Value> wantedIn(const AppearanceImage& image,
+                                                 const std::vector<Constraint>& constraints) const {
+        std::vector<AppearanceImage::Value> wanted;
+        for (const Constraint& k : constraints) {
+            wanted.push_back(
+                image.sample(k.wanted.x * (1 / float(ex_.texelMm.x)), k.wanted.y * (1 / float(ex_.texelMm.y))));
+        }
+        return wanted;
+    }
+
+    float mismatch(const std::vector<Constraint>& constraints, const std::vector<AppearanceImage::Value>& wanted,
+                   const Vec2f& offset, const AppearanceImage& image) const {
         if (constraints.empty()) {
             return 0;
         }
         const float px = 1 / float(ex_.texelMm.x), py = 1 / float(ex_.texelMm.y);
         float sum = 0, weight = 0;
-        for (const Constraint& k : constraints) {
+        for (std::size_t i = 0; i < constraints.size(); ++i) {
+            const Constraint& k = constraints[i];
             const Vec2f a = k.own + offset;
-            const float d =
-                squaredDistance(image.sample(a.x * px, a.y * py), image.sample(k.wanted.x * px, k.wanted.y * py));
+            const float d = squaredDistance(image.sample(a.x * px, a.y * py), wanted[i]);
             sum += k.weight * std::min(d, kCap * kCap * own2_);
             weight += k.weight;
         }
         return sum / weight / own2_;
+    }
+
+    /// What of each parameter's distribution a texel belongs to, in quantiles of the sample.
+    void sortParameters() {
+        const std::size_t texels = ex_.texelCount();
+        for (const std::vector<float>& values : ex_.parameters) {
+            std::vector<float> sorted = values;
+            std::sort(sorted.begin(), sorted.end());
+            Distribution d;
+            d.quantile.resize(texels);
+            d.share.assign(kQuantiles, 0.0);
+            d.shown.assign(kQuantiles, 0.0);
+            for (std::size_t t = 0; t < texels; ++t) {
+                // Equal values fall into one quantile, which then holds more than its part.
+                const std::size_t rank =
+                    std::size_t(std::lower_bound(sorted.begin(), sorted.end(), values[t]) - sorted.begin());
+                const std::size_t q = rank * kQuantiles / texels;
+                d.quantile[t] = std::uint8_t(q);
+                d.share[q] += 1 / double(texels);
+            }
+            distributions_.push_back(std::move(d));
+        }
+        for (const Rgb& r : ex_.response) {
+            meanResponse_ += Vec3d(r) / double(texels);
+        }
+    }
+
+    std::size_t texel(const Vec2f& mm) const {
+        const int x = ex_.wrapX(int(std::floor(mm.x / float(ex_.texelMm.x)))),
+                  y = ex_.wrapY(int(std::floor(mm.y / float(ex_.texelMm.y))));
+        return std::size_t(y) * std::size_t(ex_.width) + std::size_t(x);
+    }
+
+    /// How far the distributions of parameters, and mean reflectance, of the whole surface would be off if the charts
+    /// yet to choose made up for nothing: 1 where a target is just met. One chart among hundreds hardly matters, one of
+    /// a few does.
+    float imbalance(int c, const Vec2f& offset) const {
+        const std::vector<int>& core = core_[std::size_t(c)];
+        const std::size_t stride = core.size() / kBudgetSamples + 1, count = (core.size() + stride - 1) / stride;
+        if (count == 0) {
+            return 0;
+        }
+        const double own = double(coreWeight_[std::size_t(c)]) * double(core.size()), each = own / double(count);
+        std::size_t places[kBudgetSamples + 1];
+        Vec3d response = shownResponse_ - meanResponse_ * (used_ + own);
+        for (std::size_t i = 0; i < count; ++i) {
+            places[i] = texel(cover_.coord[std::size_t(core[i * stride])] + offset);
+            response += Vec3d(ex_.response[places[i]]) * each;
+        }
+        double worst = 0;
+        for (const Distribution& d : distributions_) {
+            double part[kQuantiles] = {};
+            for (std::size_t i = 0; i < count; ++i) {
+                part[d.quantile[places[i]]] += each;
+            }
+            double above = 0;
+            for (std::size_t q = 0; q < kQuantiles; ++q) {
+                above += d.shown[q] + part[q] - d.share[q] * (used_ + own);
+                worst = std::max(worst, std::abs(above) / kWantedKs);
+            }
+        }
+        for (int k = 0; k < 3; ++k) {
+            if (meanResponse_[k] > 0) {
+                worst = std::max(worst, std::abs(response[k]) / meanResponse_[k] / kWantedDeltaR);
+            }
+        }
+        worst /= double(g_.size());
+        return float(worst * worst);
     }
 
     float overuse(int c, const Vec2f& offset) const {
@@ -311,49 +422,68 @@ private:
         return n > 0 ? float(sum / n / (fair + 1e-3 * used_) - 1) : 0;
     }
 
-    /// How much charts nearby show the same place.
-    float repeated(int c, const Vec2f& offset, const std::vector<std::pair<int, float>>& near) const {
-        float sum = 0;
-        for (const auto& [o, distanceMm] : near) {
-            const Vec2f d = offset - offset_[std::size_t(o)];
-            const float x = d.x / tile_.x, y = d.y / tile_.y;
-            const float u = x - std::nearbyint(x), v = y - std::nearbyint(y);
-            const float apart = distanceMm / std::min(tile_.x, tile_.y);
-            // Charts that overlap may well show neighbouring places: only what is further off repeats.
-            if (distanceMm > 0.8f * cover_.charts[std::size_t(c)].radiusMm) {
-                sum += std::exp(-(u * u + v * v) / (0.2f * 0.2f)) * std::exp(-0.25f * apart * apart);
-            }
-        }
-        return sum;
-    }
-
-    std::vector<std::pair<int, float>> chartsNear(int c) const {
-        std::vector<std::pair<int, float>> near;
+    /// How much charts nearby show the same place, over the tile of offsets: a bell around the offset of each, on a
+    /// lattice, for there are many charts nearby where the surface is thin and branched, and many candidates.
+    std::vector<float> repetitionMap(int c) const {
+        std::vector<float> map(std::size_t(kBells * kBells), 0.0f);
         const Vec3f p = g_.points[std::size_t(cover_.charts[std::size_t(c)].seed)];
-        const float reach = 3.5f * std::min(tile_.x, tile_.y);
+        const float side = std::min(tile_.x, tile_.y), reach = 3.5f * side;
+        float alongX[kBells], alongY[kBells];
+        const auto bell = [](float at, float(&out)[kBells]) {
+            for (int i = 0; i < kBells; ++i) {
+                const float d = (float(i) + 0.5f) / kBells - at, u = d - std::nearbyint(d);
+                out[i] = std::exp(-u * u / (0.2f * 0.2f));
+            }
+        };
         for (std::size_t o = 0; o < cover_.charts.size(); ++o) {
-            if (int(o) != c && chosen_[o] && cover_.charts[o].count > 8) {
-                const float d = float(mmPerUnit_) * length(g_.points[std::size_t(cover_.charts[o].seed)] - p);
-                if (d < reach) {
-                    near.push_back({int(o), d});
+            if (int(o) == c || !chosen_[o] || !(weight_[o] > kNoticed)) {
+                continue;
+            }
+            const float d = float(mmPerUnit_) * length(g_.points[std::size_t(cover_.charts[o].seed)] - p);
+            // Charts that overlap may well show neighbouring places: only what is further off repeats.
+            if (d < reach && d > 0.8f * cover_.charts[std::size_t(c)].radiusMm) {
+                const float w = weight_[o] * std::exp(-0.25f * d * d / (side * side));
+                bell(offset_[o].x / tile_.x, alongX);
+                bell(offset_[o].y / tile_.y, alongY);
+                for (int y = 0; y < kBells; ++y) {
+                    const float row = w * alongY[y];
+                    for (int x = 0; x < kBells; ++x) {
+                        map[std::size_t(y * kBells + x)] += row * alongX[x];
+                    }
                 }
             }
         }
-        return near;
+        return map;
+    }
+
+    float repeated(const std::vector<float>& map, const Vec2f& offset) const {
+        const auto place = [](float of, int& low, int& high) {
+            const float u = (of - std::floor(of)) * kBells - 0.5f, f = std::floor(u);
+            low = (int(f) + kBells) % kBells;
+            high = (low + 1) % kBells;
+            return u - f;
+        };
+        int x0, x1, y0, y1;
+        const float u = place(offset.x / tile_.x, x0, x1), v = place(offset.y / tile_.y, y0, y1);
+        const auto at = [&](int x, int y) { return map[std::size_t(y * kBells + x)]; };
+        return (1 - v) * ((1 - u) * at(x0, y0) + u * at(x1, y0)) + v * ((1 - u) * at(x0, y1) + u * at(x1, y1));
     }
 
     Vec2f choose(int c, int sweep) const {
         const std::vector<Constraint> all = constraintsOf(c);
         std::vector<Candidate> list = candidates(c, sweep, all);
         const std::vector<Constraint> few = thinned(all, kCoarseSamples), many = thinned(all, kFineSamples);
-        const std::vector<std::pair<int, float>> near = chartsNear(c);
+        const std::vector<float> shownNearby = repetitionMap(c);
         const AppearanceImage& coarse = ex_.stack[std::min<std::size_t>(1, ex_.stack.size() - 1)];
+        const std::vector<AppearanceImage::Value> wantedByFew = wantedIn(coarse, few),
+                                                  wantedByMany = wantedIn(ex_.stack[0], many);
         std::vector<float> other(list.size());
         parallelFor(list.size(), 16, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
                 other[i] = variety_ * (float(options_.usage) * overuse(c, list[i].offset) +
-                                       float(options_.repetition) * repeated(c, list[i].offset, near));
-                list[i].cost = mismatch(few, list[i].offset, coarse) + other[i];
+                                       float(options_.repetition) * repeated(shownNearby, list[i].offset)) +
+                           float(options_.balance) * imbalance(c, list[i].offset);
+                list[i].cost = mismatch(few, wantedByFew, list[i].offset, coarse) + other[i];
             }
         });
         std::vector<std::size_t> best(list.size());
@@ -368,7 +498,7 @@ private:
         parallelFor(finalists, 2, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
                 Candidate& k = list[best[i]];
-                k.cost = mismatch(many, k.offset, ex_.stack[0]) + other[best[i]];
+                k.cost = mismatch(many, wantedByMany, k.offset, ex_.stack[0]) + other[best[i]];
             }
         });
         std::size_t winner = best[0];
@@ -388,8 +518,16 @@ private:
     std::vector<char> chosen_;
     std::vector<std::vector<int>> core_; ///< entries, thinned
     std::vector<float> coreWeight_;      ///< vertices per entry of it
+    std::vector<float> weight_;          ///< what a chart shows against an ordinary one, at most 1
     std::vector<float> usage_;
     double used_ = 0;
+    /// A parameter's quantile per texel, the share of each, and by how many vertices it is shown.
+    struct Distribution {
+        std::vector<std::uint8_t> quantile;
+        std::vector<double> share, shown;
+    };
+    std::vector<Distribution> distributions_;
+    Vec3d meanResponse_, shownResponse_; ///< of the sample; summed over the vertices shown
     Vec2f tile_;
     float own2_, variety_; ///< square of a seam's unit; 0 to 1, how many places are alike
 };

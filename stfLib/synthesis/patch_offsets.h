@@ -11,8 +11,9 @@ struct OffsetOptions {
     /// Cost of showing the same place again nearby, in units of a seam as good as the sample's own. Large: where places
     /// are alike, seams hardly show, and repetition does.
     double repetition = 40;
-    double usage = 1.0; ///< cost of places used twice their share, in the same units
-    int sweeps = 5;     ///< how often every chart chooses again, after the first time
+    double usage = 1.0;   ///< cost of places used twice their share, in the same units
+    double balance = 1.0; ///< cost of distributions of parameters that are off by as much as they may
+    int sweeps = 5;       ///< how often every chart chooses again, after the first time
 };
 
 /// Which part of the sample each chart shows: an offset in tile millimetres, added to the chart's coordinates.

@@ -71,13 +71,20 @@ private:
                float(options_.remoteCost) * cover_.remoteness[std::size_t(e)] * cover_.remoteness[std::size_t(e)];
     }
 
-    /// Difference at one vertex between what two charts would show there.
-    float seen(std::size_t v, int chartA, int chartB) const {
-        const int a = cover_.entryAt(int(v), chartA), b = cover_.entryAt(int(v), chartB);
-        if (a < 0 || b < 0) {
-            return -1;
-        }
+    /// Difference between what two entries of one vertex would show there.
+    float seen(int a, int b) const {
         return perOwn_ * std::sqrt(squaredDistance(appearance_[std::size_t(a)], appearance_[std::size_t(b)]));
+    }
+
+    /// What a seam between the charts of two entries of one vertex costs for its length: nothing where both show one
+    /// continued place.
+    float length(int a, int b) const {
+        const auto at = [&](int e) {
+            return cover_.coord[std::size_t(e)] + offsets_[std::size_t(cover_.chart[std::size_t(e)])];
+        };
+        const Vec2f d = nearestImage(at(a) - at(b), ex_.tileMm());
+        const float texels = std::sqrt(d.x * d.x + d.y * d.y) / float(ex_.texelMm.x);
+        return float(options_.lengthCost) * std::min(1.0f, texels);
     }
 
     /// Cost of a link between u of chart a and v of chart b.
@@ -85,20 +92,21 @@ private:
         if (a == b) {
             return 0;
         }
-        const float atU = seen(u, a, b), atV = seen(v, a, b);
-        if (atU < 0 && atV < 0) {
+        const int ua = cover_.entryAt(int(u), a), ub = cover_.entryAt(int(u), b);
+        const int va = cover_.entryAt(int(v), a), vb = cover_.entryAt(int(v), b);
+        const bool known[2] = {ua >= 0 && ub >= 0, va >= 0 && vb >= 0};
+        if (!known[0] && !known[1]) {
             return kUnknown;
         }
-        const float mismatch = atU < 0 ? 2 * atV : atV < 0 ? 2 * atU : atU + atV;
-        // Two charts that show one continued place have no seam at all.
-        const std::size_t w = atU < 0 ? v : u;
-        const int ea = cover_.entryAt(int(w), a), eb = cover_.entryAt(int(w), b);
-        const Vec2f d = nearestImage(cover_.coord[std::size_t(ea)] + offsets_[std::size_t(a)] -
-                                         cover_.coord[std::size_t(eb)] - offsets_[std::size_t(b)],
-                                     ex_.tileMm());
-        const float texels = std::sqrt(d.x * d.x + d.y * d.y) / float(ex_.texelMm.x);
-        return mismatch + float(options_.lengthCost) * std::min(1.0f, texels);
+        const float atU = known[0] ? seen(ua, ub) : seen(va, vb), atV = known[1] ? seen(va, vb) : atU;
+        return atU + atV + (known[0] ? length(ua, ub) : length(va, vb));
     }
+
+    /// A vertex's own patch against the one that expands.
+    struct Contrast {
+        int entry; ///< of the chart that expands
+        float seen, length;
+    };
 
     void expand(int p) {
         const ChartCover::Chart& chart = cover_.charts[std::size_t(p)];
@@ -113,13 +121,19 @@ private:
         if (nodes.empty()) {
             return;
         }
-        // Source: keep; sink: take p.
+        // Source: keep; sink: take p. Most links have both ends in one patch: what they need is known per node.
+        std::vector<Contrast> contrast(nodes.size());
+        for (std::size_t n = 0; n < nodes.size(); ++n) {
+            const int own = labels_[std::size_t(nodes[n])];
+            contrast[n].entry = cover_.entryAt(nodes[n], p);
+            contrast[n].seen = seen(own, contrast[n].entry);
+            contrast[n].length = length(own, contrast[n].entry);
+        }
         MinCut cut(nodes.size());
         for (std::size_t n = 0; n < nodes.size(); ++n) {
             const std::size_t v = std::size_t(nodes[n]);
-            const int own = labels_[v], other = cover_.entryAt(int(v), p);
-            const int a = cover_.chart[std::size_t(own)];
-            cut.addTerminal(n, unary(other) - unary(own));
+            const int own = labels_[v], a = cover_.chart[std::size_t(own)];
+            cut.addTerminal(n, unary(contrast[n].entry) - unary(own));
             for (int k = g_.first[v]; k < g_.first[v + 1]; ++k) {
                 const std::size_t u = std::size_t(g_.neighbour[std::size_t(k)]);
                 const int b = cover_.chart[std::size_t(labels_[u])];
@@ -128,7 +142,15 @@ private:
                     cut.addTerminal(n, seam(v, p, u, b) - seam(v, a, u, b));
                 } else if (m > int(n)) {
                     // Costs of (keep, keep), (keep, take), (take, keep); (take, take) has none.
-                    const float kk = seam(v, a, u, b), kt = seam(v, a, u, p), tk = seam(v, p, u, b);
+                    float kk = 0, kt, tk;
+                    if (a == b) {
+                        const Contrast &atV = contrast[n], &atU = contrast[std::size_t(m)];
+                        kt = tk = atV.seen + atU.seen + atV.length;
+                    } else {
+                        kk = seam(v, a, u, b);
+                        kt = seam(v, a, u, p);
+                        tk = seam(v, p, u, b);
+                    }
                     // kk + (tk - kk) [v takes] - tk [u takes] + (kt + tk - kk) [v keeps and u takes].
                     cut.addTerminal(n, tk - kk);
                     cut.addTerminal(std::size_t(m), -tk);

@@ -3,6 +3,7 @@
 
 #include "stfLib/base/parallel.h"
 #include "stfLib/base/random.h"
+#include "stfLib/synthesis/seam_light.h"
 
 #include <algorithm>
 #include <cmath>
@@ -171,7 +172,11 @@ void shapes(const Synthesis& s, const ExemplarMap& map, SynthesisQuality& q) {
             const Vec2f c0 = map.cornerCoords[3 * t], d1 = map.cornerCoords[3 * t + 1] - c0,
                         d2 = map.cornerCoords[3 * t + 2] - c0;
             const double area = double(d1.x) * double(d2.y) - double(d1.y) * double(d2.x);
-            out[Folds] += area <= 0;
+            // A sliver narrower than the rounding of its coordinates has no side.
+            const double longest = std::max({a, length(e2), length(e2 - e1)});
+            const double rounding =
+                4e-7 * double(std::max({std::abs(c0.x), std::abs(c0.y), float(map.tileMm.x), float(map.tileMm.y)}));
+            out[Folds] += area <= 0 && a * c / longest * s.mmPerUnit > rounding;
             // Jacobian by the triangle's own plane.
             const double ux = double(d1.x) / a, vx = double(d1.y) / a;
             const double uy = (double(d2.x) - ux * b) / c, vy = (double(d2.y) - vx * b) / c;
@@ -224,7 +229,11 @@ double autocorrelationDifference(const Synthesis& s) {
         }
     }
     // Vertices at random, and what surrounds them by the shortest way.
-    const std::size_t tries = std::min<std::size_t>(3000, s.graph.size());
+    // (fewer where each has many vertices around it)
+    const double crowd = std::clamp(double(s.graph.size()) * e.texelMm.x * e.texelMm.y /
+                                        (s.graph.totalArea() * s.mmPerUnit * s.mmPerUnit),
+                                    1.0, 10.0);
+    const std::size_t tries = std::min<std::size_t>(std::size_t(3000 / crowd), s.graph.size());
     const double texel = std::max(e.texelMm.x, e.texelMm.y);
     std::vector<double> sum(std::size_t(rings), 0.0), count(std::size_t(rings), 0.0);
     std::vector<float> distance(s.graph.size(), 1e30f);
@@ -344,6 +353,7 @@ SynthesisQuality measure(const Synthesis& s, const ExemplarMap& map) {
     patches(s, q);
     shapes(s, map, q);
     q.autocorrelation = autocorrelationDifference(s);
+    q.deltaRSeams = seamLight(s.graph, s.steps, s.coords, s.exemplar);
     q.singularities = s.singularities.size();
     for (const Singularity& i : s.singularities) {
         q.indexSum += i.index;

@@ -18,9 +18,11 @@ struct SynthesisQuality {
     double reuseEntropy = 0;  ///< of the use of texels, over that of equal use
     double ks = 0;            ///< largest Kolmogorov-Smirnov distance of a parameter's distribution, by area
     std::vector<std::pair<std::string, double>> ksOf;
-    std::size_t foldOvers = 0; ///< triangles whose coordinates are mirrored
+    std::size_t foldOvers =
+        0; ///< triangles whose coordinates are mirrored, but for slivers narrower than their rounding
     double deltaR =
         0; ///< mean reflectance of the columns shown over that of the sample, less 1, of the channel where it is most
+    double deltaRSeams = 0;     ///< rms change of reflectance by light that crosses seams (seam_light.h)
     double stretch = 0;         ///< rms of the logarithm of the coordinates' two stretches
     double autocorrelation = 0; ///< largest difference of the radial autocorrelation of reflectance to the sample's
     std::size_t patches = 0;    ///< connected regions without a jump

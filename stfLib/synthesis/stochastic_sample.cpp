@@ -35,11 +35,11 @@ double excessKurtosis(const std::vector<Rgb>& fine, const std::vector<Rgb>& coar
 Randomness judgeRandomness(const BaseVolume& v) {
     Randomness out;
     if (v.hasRelief()) {
-        out.why = "it has a relief";
+        out.why = "the top is a relief";
         return out;
     }
     if (!v.emission.empty()) {
-        out.why = "it emits light";
+        out.why = "some emits light";
         return out;
     }
     const std::size_t columns = std::size_t(v.size.x) * std::size_t(v.size.y);
@@ -80,9 +80,10 @@ Randomness judgeRandomness(const BaseVolume& v) {
     char text[120];
     if (bands == 0) {
         out.stochastic = false;
-        out.why = "it is too small to judge";
+        out.why = "there is too little to judge";
     } else {
-        std::snprintf(text, sizeof text, "it is %s (excess kurtosis %.2g)", out.stochastic ? "random" : "structured",
+        std::snprintf(text, sizeof text, "columns are %s (excess kurtosis %.2g)",
+                      out.stochastic ? "random" : "structured",
                       out.excessKurtosis);
         out.why = text;
     }

@@ -81,14 +81,6 @@ bool jacobian(const Synthesis& s, std::size_t v, double (&out)[4]) {
     return false;
 }
 
-/// The link from u to v, or -1.
-int linkOf(const SurfaceGraph& g, int u, int v) {
-    const auto begin = g.neighbour.begin() + g.first[std::size_t(u)],
-               end = g.neighbour.begin() + g.first[std::size_t(u) + 1];
-    const auto it = std::lower_bound(begin, end, v);
-    return it != end && *it == v ? int(it - g.neighbour.begin()) : -1;
-}
-
 /// The corner whose patch a triangle takes: one with the most unbroken sides.
 int leadingCorner(const Synthesis& s, const Vec3i& t) {
     int unbroken[3] = {0, 0, 0};

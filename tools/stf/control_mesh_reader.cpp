@@ -2,14 +2,14 @@
 #include "tools/stf/control_mesh_reader.h"
 
 #include "stfLib/acquire/mesh_reader.h"
+#include "stfLib/acquire/mesh_repair.h"
 #if HDSTF_WITH_OPENUSD
 #include "tools/stf/usd_mesh_reader.h"
 #endif
 
 namespace stf {
 
-ControlMesh readControlMesh(const std::string& path, const std::string& scheme,
-                            [[maybe_unused]] const MessageSink& messages) {
+ControlMesh readControlMesh(const std::string& path, const std::string& scheme, const MessageSink& messages) {
 #if HDSTF_WITH_OPENUSD
     const std::vector<MeshPart> parts = isUsdPath(path) ? readUsdMeshes(path, messages) : readMeshFile(path);
 #else
@@ -19,17 +19,22 @@ ControlMesh readControlMesh(const std::string& path, const std::string& scheme,
     mesh.scheme = scheme == "loop"           ? ControlMesh::Scheme::Loop
                   : scheme == "catmullClark" ? ControlMesh::Scheme::CatmullClark
                                              : ControlMesh::Scheme::None;
+    TriangleMesh whole;
     for (const MeshPart& part : parts) {
-        const int base = int(mesh.points.size());
-        for (const Vec3d& p : part.mesh.points) {
-            mesh.points.push_back(Vec3f(p));
-        }
-        for (const Vec3i& t : part.mesh.triangles) {
-            mesh.faceVertexCounts.push_back(3);
-            for (int c = 0; c < 3; ++c) {
-                mesh.faceVertexIndices.push_back(base + t[c]);
-            }
-        }
+        append(whole, part.mesh);
+    }
+    // A surface has one outside: triangles turned against their neighbours are turned back.
+    const MendedMesh mended = repair(whole, path);
+    const MeshRepair& r = mended.repair;
+    if (messages && r.turned + r.degenerate + r.duplicates + r.crowdedEdges > 0) {
+        messages(Severity::Warning, path + ": " + r.summary());
+    }
+    for (const Vec3d& p : mended.mesh.points) {
+        mesh.points.push_back(Vec3f(p));
+    }
+    for (const Vec3i& t : mended.mesh.triangles) {
+        mesh.faceVertexCounts.push_back(3);
+        mesh.faceVertexIndices.insert(mesh.faceVertexIndices.end(), {t.x, t.y, t.z});
     }
     return mesh;
 }

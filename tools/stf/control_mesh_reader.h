@@ -8,7 +8,8 @@
 namespace stf {
 
 /// All meshes of an OBJ, PLY, STL, OFF or USD file as one, without texture coordinates. `scheme`: none, loop or
-/// catmullClark. Throws Error with a message that starts with the path.
+/// catmullClark. Triangles turned against their neighbours are turned back, degenerate and repeated ones dropped; one
+/// message tells of it. Throws Error with a message that starts with the path.
 ControlMesh readControlMesh(const std::string& path, const std::string& scheme, const MessageSink& messages);
 
 /// Square object units.

@@ -32,6 +32,7 @@ std::string synthesisJson(const Synthesis& s, const SynthesisQuality& q) {
     }
     j["foldOvers"] = q.foldOvers;
     j["deltaR"] = q.deltaR;
+    j["deltaRSeams"] = q.deltaRSeams;
     j["samples"] = q.samples;
     j["seconds"] = secondsOf(s);
     j["texelsPerSample"] = q.texelsPerSample;
@@ -56,13 +57,13 @@ std::string synthesisText(const Synthesis& s, const SynthesisQuality& q) {
                   "  patches               %8zu   of %.0f texels (median), %.0f at most\n"
                   "  reuse                 %8.2f   times the fair share at most, entropy %.4f\n"
                   "  parameters (KS)       %8.4f\n"
-                  "  reflectance           %+8.2f %%\n"
+                  "  reflectance           %+8.2f %%, and %.2f %% (rms) by light across seams\n"
                   "  autocorrelation       %8.3f   off at most\n"
                   "  stretch (rms)         %8.2f %%, %zu triangles folded over\n"
                   "  singularities         %8zu   of the direction field, indices add up to %d\n",
                   q.samples, q.texelsPerSample, secondsOf(s), q.neighbourhoodError, q.exemplarError, 100 * q.seamRate,
                   q.seamError, q.patches, q.patchMedian, q.patchLargest, q.reuseMax, q.reuseEntropy, q.ks,
-                  100 * q.deltaR, q.autocorrelation, 100 * q.stretch, q.foldOvers, q.singularities, q.indexSum);
+                  100 * q.deltaR, 100 * q.deltaRSeams, q.autocorrelation, 100 * q.stretch, q.foldOvers, q.singularities, q.indexSum);
     return text;
 }
 

@@ -119,6 +119,28 @@ TEST_F(MeshFile, ObjOfPolygons) {
               "v 9.5 1 1.5\nv 10.5 1 1.5\nf 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf -7 -5 -1 -3\n"));
 }
 
+TEST_F(MeshFile, ConcavePolygonsAreCoveredOnce) {
+    // A comb of two teeth in the plane z = 0, of area 9: a fan about its first corner would leave the shape.
+    const std::string points = "5 3 0\n4 3 0\n4 1 0\n1 1 0\n1 3 0\n0 3 0\n0 0 0\n5 0 0\n";
+    const std::string face = "8 0 1 2 3 4 5 6 7\n";
+    const std::string files[] = {
+        write("comb.off", "OFF\n8 1 0\n" + points + face),
+        write("comb.ply", "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\n"
+                          "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n" +
+                              points + face)};
+    for (const std::string& path : files) {
+        const TriangleMesh mesh = readMeshFile(path).at(0).mesh;
+        EXPECT_EQ(mesh.triangles.size(), 6u) << path;
+        double sum = 0;
+        for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+            const double z = cross(mesh.corner(t, 1) - mesh.corner(t, 0), mesh.corner(t, 2) - mesh.corner(t, 0)).z;
+            EXPECT_GE(z, 0) << path;
+            sum += std::abs(z) / 2;
+        }
+        EXPECT_NEAR(sum, 9, 1e-9) << path;
+    }
+}
+
 TEST_F(MeshFile, PlyInTextAndBinary) {
     expectBox(write("text.ply", ply(box_, false)));
     expectBox(write("binary.ply", ply(box_, true)));

@@ -235,6 +235,23 @@ TEST(PosedShell, IsNowhereDeeperThanAtRest) {
     EXPECT_THROW(offsetPosed(*p.posed, kThickness, rest), Error);
 }
 
+TEST(PosedShell, NeighboursReachAcrossCutsAndEndAtRims) {
+    // Two triangles of a square whose shared points are doubled, and a third that hangs on an edge of both.
+    RefinedSurface s;
+    s.points = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+    s.normals.assign(6, {0, 0, 1});
+    s.triangles = {{0, 1, 2}, {3, 4, 5}};
+    PosedShell::Neighbours n = PosedShell::neighboursOf(s);
+    EXPECT_EQ(n[0], Vec3i(-1, -1, 1));
+    EXPECT_EQ(n[1], Vec3i(0, -1, -1));
+    s.points.push_back({1, 0, 1});
+    s.normals.push_back({0, 0, 1});
+    s.triangles.push_back({0, 2, 6});
+    n = PosedShell::neighboursOf(s);
+    EXPECT_EQ(n[0], Vec3i(-1)) << "where three meet there is no one way";
+    EXPECT_EQ(n[2], Vec3i(-1));
+}
+
 TEST(PosedShell, OtherTrianglesAreNoPose) {
     const Plate a = plate(Bend{4}, 0.1), b = plate(Bend{4}, 0.2);
     EXPECT_THROW(PosedShell({a.rest, a.restBoundary}, {b.posed, b.posedBoundary},

@@ -73,6 +73,20 @@ TEST(SynthesisQuality, OfTheSampleItselfIsPerfect) {
     }
 }
 
+TEST(SynthesisQuality, CountsMirroredTrianglesButNoSliversBelowRounding) {
+    Synthesis s = flatTile(24, 24, 0);
+    ExemplarMap map = exemplarMap(s);
+    for (std::size_t t : {7u, 90u, 311u}) {
+        std::swap(map.cornerCoords[3 * t], map.cornerCoords[3 * t + 1]);
+    }
+    EXPECT_EQ(measure(s, map).foldOvers, 3u);
+    // A vertex moved onto the opposite side: what remains of the triangle is narrower than a float of 24 mm can tell.
+    const Vec3i t = s.graph.triangles[7];
+    const Vec3f onto = (s.graph.points[std::size_t(t.y)] + s.graph.points[std::size_t(t.z)]) * 0.5f;
+    s.graph.points[std::size_t(t.x)] = onto + (s.graph.points[std::size_t(t.x)] - onto) * 1e-6f;
+    EXPECT_EQ(measure(s, map).foldOvers, 2u);
+}
+
 TEST(SynthesisQuality, CountsSeamsReuseAndErrorOfAKnownCut) {
     const int n = 24, cut = 11, shift = 8;
     const Synthesis s = flatTile(n, cut, shift);

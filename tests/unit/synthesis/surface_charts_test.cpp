@@ -36,12 +36,6 @@ Prepared prepare(ControlMesh mesh, double mmPerUnit) {
     return p;
 }
 
-std::size_t linkOf(const SurfaceGraph& g, int a, int b) {
-    const auto begin = g.neighbour.begin() + g.first[std::size_t(a)];
-    return std::size_t(std::lower_bound(begin, g.neighbour.begin() + g.first[std::size_t(a) + 1], b) -
-                       g.neighbour.begin());
-}
-
 /// Root mean square of what steps around triangles leave over, away from singularities, over the step.
 double loopError(const Prepared& p, const std::vector<Vec2f>& steps) {
     double sum = 0, square = 0;
@@ -51,7 +45,7 @@ double loopError(const Prepared& p, const std::vector<Vec2f>& steps) {
         }
         Vec2f loop{0, 0};
         for (int c = 0; c < 3; ++c) {
-            const Vec2f s = steps[linkOf(p.graph, t[c], t[(c + 1) % 3])];
+            const Vec2f s = steps[std::size_t(linkOf(p.graph, t[c], t[(c + 1) % 3]))];
             loop = loop + s;
             square += double(s.x * s.x + s.y * s.y);
         }
@@ -74,7 +68,8 @@ TEST(SurfaceSteps, HaveTheLengthOfTheirEdgeAndTheWayBackIsTheOpposite) {
     for (std::size_t v = 0; v < p.graph.size(); ++v) {
         for (int k = p.graph.first[v]; k < p.graph.first[v + 1]; ++k) {
             const int u = p.graph.neighbour[std::size_t(k)];
-            const Vec2f s = p.steps.stepMm[std::size_t(k)], back = p.steps.stepMm[linkOf(p.graph, u, int(v))];
+            const Vec2f s = p.steps.stepMm[std::size_t(k)],
+                        back = p.steps.stepMm[std::size_t(linkOf(p.graph, u, int(v)))];
             EXPECT_NEAR(std::hypot(s.x, s.y), 10 * length(p.graph.points[std::size_t(u)] - p.graph.points[v]), 1e-3);
             EXPECT_NEAR(s.x + back.x, 0, 1e-4);
             EXPECT_NEAR(s.y + back.y, 0, 1e-4);

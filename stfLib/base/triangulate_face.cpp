@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "stfLib/surface/refine_parts.h"
+#include "stfLib/base/triangulate_face.h"
+
+#include <utility>
 
 namespace stf {
 
