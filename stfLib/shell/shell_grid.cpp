@@ -273,7 +273,7 @@ private:
     Progress& progress_;
     const MessageSink& messages_;
     double thickness_, texelMm_;
-    std::vector<ShellProbe> probes_;
+    std::vector<ProbedPoint> probes_;
 };
 
 } // namespace
