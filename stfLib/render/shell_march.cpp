@@ -142,7 +142,7 @@ ShellRadiance ShellMarch::march(const Vec3f& entry, std::uint32_t triangle, cons
             tile.setBlend(blendAt(at, perMm));
         }
         goesOn = tile.segment(tilePosition - tileDirection * ((middle - t0) * o.mmPerUnit), tileDirection,
-                               (t1 - t0) * o.mmPerUnit, at.coreRadiance);
+                              (t1 - t0) * o.mmPerUnit, at.coreRadiance);
     }
     const TileRadiance collected = tile.finish();
     result.single = collected.single;

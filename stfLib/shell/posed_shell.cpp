@@ -165,8 +165,7 @@ void ShellProbe::enter(std::uint32_t triangle) {
     place_ = {triangle};
     const Vec3i& t = surface_.triangles[triangle];
     const Vec3f& p = surface_.points[std::size_t(t.x)];
-    accessor_.prefer(
-        normalize(cross(surface_.points[std::size_t(t.y)] - p, surface_.points[std::size_t(t.z)] - p)));
+    accessor_.prefer(normalize(cross(surface_.points[std::size_t(t.y)] - p, surface_.points[std::size_t(t.z)] - p)));
 }
 
 bool ShellProbe::lookup(const Vec3f& point, ShellLookup& out, const Rgb* core, int level) {
