@@ -238,6 +238,7 @@ stf::RenderSettings HdStfRenderDelegate::GetStfSettings() const {
     settings.maxDepth = GetRenderSetting<int>(HdStfRenderSettingsTokens->maxDepth, settings.maxDepth);
     settings.indirectClamp = GetRenderSetting<float>(HdStfRenderSettingsTokens->indirectClamp, settings.indirectClamp);
     settings.quality = GetRenderSetting<float>(HdStfRenderSettingsTokens->quality, settings.quality);
+    settings.errorTarget = GetRenderSetting<float>(HdStfRenderSettingsTokens->errorTarget, settings.errorTarget);
     settings.transport = GetRenderSetting<std::string>(HdStfRenderSettingsTokens->transport, settings.transport);
     return settings;
 }

@@ -38,7 +38,7 @@ BlendPlace ShellMarch::blendAt(const ShellLookup& at, const Vec3f& perMm) const 
 }
 
 ShellMarch::ShellMarch(const ShellObject& object, const Rgb* coreRadiancePerSample)
-    : object_(object), probe_(*object.grid, object.pose.get()), core_(coreRadiancePerSample) {
+    : object_(object), probe_(*object.grid, *object.surface, object.pose.get()), core_(coreRadiancePerSample) {
     const std::vector<TilePyramid::Level>& levels = object.pyramid->levels();
     tiles_.reserve(levels.size());
     for (std::size_t l = 0; l < levels.size(); ++l) {
@@ -142,7 +142,7 @@ ShellRadiance ShellMarch::march(const Vec3f& entry, std::uint32_t triangle, cons
             tile.setBlend(blendAt(at, perMm));
         }
         goesOn = tile.segment(tilePosition - tileDirection * ((middle - t0) * o.mmPerUnit), tileDirection,
-                               (t1 - t0) * o.mmPerUnit, at.coreRadiance);
+                              (t1 - t0) * o.mmPerUnit, at.coreRadiance);
     }
     const TileRadiance collected = tile.finish();
     result.single = collected.single;

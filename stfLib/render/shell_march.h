@@ -36,8 +36,8 @@ private:
 };
 
 /// Marches object-space rays through one shell: follows the grid's exemplar coordinates and hands straight pieces, one
-/// per grid voxel, to a TileMarch (of the tile's level that the footprint asks for); at the end the core shines through what is left of the ray.
-/// One march per thread and object: it holds a probe.
+/// per grid voxel, to a TileMarch (of the tile's level that the footprint asks for); at the end the core shines through
+/// what is left of the ray. One march per thread and object: it holds a probe.
 class ShellMarch {
 public:
     ShellMarch(const ShellObject& object, const Rgb* coreRadiancePerSample);
@@ -47,8 +47,7 @@ public:
     /// precision. At most 16 lights count. `footprintMm`: width of what the pixel sees at the entry; the coarsest level
     /// of the grid that shows it is read.
     ShellRadiance march(const Vec3f& entry, std::uint32_t triangle, const Vec3f& direction, float footprintMm,
-                        const ShellLight* lights,
-                        int lightCount, PixelSampler& sampler);
+                        const ShellLight* lights, int lightCount, PixelSampler& sampler);
 
     /// Index of refraction of the material at, or first below, a point of a triangle of the surface; 1 where the grid
     /// has none.
