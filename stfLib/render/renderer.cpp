@@ -8,6 +8,7 @@
 #include "stfLib/render/shell_builder.h"
 #include "stfLib/transport/precompute.h"
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <set>
@@ -164,7 +165,10 @@ std::shared_ptr<const PlainMaterial> Renderer::Impl::materialOf(const SceneMesh&
 
 // Which surfaces there are beside shells, and what of their light is followed.
 void Renderer::Impl::planSurfaces() {
-    int plain = 0, glossy = 0, clear = 0;
+    scenePlan.erase(std::remove_if(scenePlan.begin(), scenePlan.end(),
+                                   [](const PlanEntry& e) { return e.stage == "materials" || e.stage == "bounces"; }),
+                    scenePlan.end());
+    int plain = 0, read = 0, clear = 0;
     std::set<const PlainMaterial*> used;
     scene->surfacesBounce = false;
     for (const PreparedInstance& i : scene->instances) {
@@ -174,7 +178,7 @@ void Renderer::Impl::planSurfaces() {
         ++plain;
         scene->surfacesBounce = true;
         if (i.material && used.insert(i.material.get()).second) {
-            ++glossy;
+            ++read;
             clear += i.material->opaque() ? 0 : 1;
         }
     }
@@ -183,7 +187,7 @@ void Renderer::Impl::planSurfaces() {
     for (const PlainMaterial* m : used) {
         images += m->textures();
     }
-    scenePlan.push_back({"scene", "materials", glossy > 0,
+    scenePlan.push_back({"scene", "materials", read > 0,
                          glossy
                              ? std::to_string(glossy) + " read for surfaces without a shell, inputs with a texture: " +
                                    std::to_string(images) + ", not opaque: " + std::to_string(clear)
@@ -298,8 +302,11 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
     setThreadCount(s.settings.threads);
     s.prepareStart = Clock::now();
     if (s.scene && source.version() == s.preparedVersion && s.settings.quality == s.preparedSettings.quality &&
-        s.settings.transport == s.preparedSettings.transport && s.settings.seed == s.preparedSettings.seed &&
-        s.settings.maxDepth == s.preparedSettings.maxDepth) {
+        s.settings.transport == s.preparedSettings.transport && s.settings.seed == s.preparedSettings.seed) {
+        if (s.settings.maxDepth != s.preparedSettings.maxDepth) {
+            s.preparedSettings.maxDepth = s.settings.maxDepth;
+            s.planSurfaces(); // all that it changes of what is prepared
+        }
         return;
     }
     if (!s.scene) {
