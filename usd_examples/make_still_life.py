@@ -9,7 +9,6 @@ import pathlib
 import sys
 
 import numpy as np
-from PIL import Image
 
 import usda_text as usda
 from make_wax_sphere import sphere
@@ -51,7 +50,7 @@ def texture(material_name, name, file, wrap, outputs, transform=False):
         def Shader "Reader"
         {{
             uniform token info:id = "UsdPrimvarReader_float2"
-            token inputs:varname = "st"
+            string inputs:varname = "st"
             float2 outputs:result
         }}
 {scaled}
@@ -70,7 +69,9 @@ def texture(material_name, name, file, wrap, outputs, transform=False):
 def ball(name, radius, position, material_name, color="(0.5, 0.5, 0.5)"):
     quads, points, _, _ = sphere(radius)
     return f"""
-    def Mesh "{name}"
+    def Mesh "{name}" (
+        prepend apiSchemas = ["MaterialBindingAPI"]
+    )
     {{
         float3[] extent = {usda.numbers([points.min(0), points.max(0)])}
         int[] faceVertexCounts = {usda.numbers(np.full(len(quads), 4))}
@@ -88,7 +89,9 @@ def ball(name, radius, position, material_name, color="(0.5, 0.5, 0.5)"):
 def quad(name, points, material_name, uvs="[(0, 0), (1, 0), (1, 1), (0, 1)]"):
     points = np.array(points, float)
     return f"""
-    def Mesh "{name}"
+    def Mesh "{name}" (
+        prepend apiSchemas = ["MaterialBindingAPI"]
+    )
     {{
         float3[] extent = {usda.numbers([points.min(0), points.max(0)])}
         int[] faceVertexCounts = [4]
@@ -155,6 +158,8 @@ def Xform "World"
 
 def tiles(size=256):
     """Grey and blue tiles with a light joint; the alpha is 1 but for a round hole in each."""
+    from PIL import Image
+
     y, x = np.mgrid[0:size, 0:size] + 0.5
     half = size // 2
     dark = (x < half) == (y < half)

@@ -116,7 +116,8 @@ PixelSample Integrator::sample(const Ray& first, const RayCone& cone, PixelSampl
             add(throughput * scene_.lights.mirrored(ray.origin, ray.direction, tMax), path.bounced);
         } else if (path.lights == LightPath::Lights::Shared) {
             add(throughput *
-                scene_.lights.met(ray.origin, ray.direction, tMax, path.normal, path.density, path.domeSamples));
+                    scene_.lights.met(ray.origin, ray.direction, tMax, path.normal, path.density, path.domeSamples),
+                path.bounced);
         }
         if (!met) {
             // The clear colour is a backdrop, not a light: no surface mirrors it.

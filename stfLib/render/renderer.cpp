@@ -188,9 +188,8 @@ void Renderer::Impl::planSurfaces() {
         images += m->textures();
     }
     scenePlan.push_back({"scene", "materials", read > 0,
-                         glossy
-                             ? std::to_string(glossy) + " read for surfaces without a shell, inputs with a texture: " +
-                                   std::to_string(images) + ", not opaque: " + std::to_string(clear)
+                         read ? std::to_string(read) + " read for surfaces without a shell, inputs with a texture: " +
+                                    std::to_string(images) + ", not opaque: " + std::to_string(clear)
                          : plain ? "plain surfaces show their displayColor"
                                  : "no surface without a shell",
                          0});
