@@ -152,5 +152,29 @@ TEST(AreaShape, FarAwayAndDegenerate) {
     EXPECT_FALSE(AreaShape::make(light(Light::Type::Dome), Transform()));
 }
 
+// A ray that finds a point asks for the density that a sample of that point had.
+TEST(AreaShape, RaysKnowTheDensityOfSamples) {
+    CounterRng rng(5, 1);
+    for (const Light::Type type : {Light::Type::Sphere, Light::Type::Disk, Light::Type::Rect, Light::Type::Cylinder}) {
+        for (const double height : {1.5, 400.0}) { // far rectangles are sampled by area
+            const auto shape = AreaShape::make(light(type), lookingDown({0.4, -0.3, height}));
+            ASSERT_TRUE(shape);
+            int found = 0;
+            for (int i = 0; i < 200; ++i) {
+                const float u = rng.uniform(), v = rng.uniform();
+                const Vec3f point(0.1f, 0.2f, 0);
+                const ShapeSample s = shape->sample(point, {u, v});
+                const float t = shape->intersect(point, s.towards);
+                if (s.solidAngle > 0 && std::abs(t - s.distance) < 1e-3f * s.distance) {
+                    ++found;
+                    EXPECT_NEAR(shape->solidAngle(point, s.towards, t), s.solidAngle, 5e-3f * s.solidAngle)
+                        << int(type) << " " << height;
+                }
+            }
+            EXPECT_GT(found, 100) << int(type) << " " << height;
+        }
+    }
+}
+
 } // namespace
 } // namespace stf::test
