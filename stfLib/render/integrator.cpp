@@ -2,6 +2,7 @@
 #include "stfLib/render/integrator.h"
 
 #include "stfLib/render/core_light.h"
+#include "stfLib/render/surface_point.h"
 #include "stfLib/transport/tile_tracer.h"
 
 namespace stf {
@@ -15,24 +16,11 @@ constexpr int kMaxLightsPerPath = 4; // more are chosen from at random, so that 
 constexpr int kDomeDirections = 4;
 /// Of other lights on a shell: their visibility is averaged over a disc.
 constexpr int kNearDirections = 2;
+constexpr int kMaxShellLights = kMaxLightsPerPath * kDomeDirections;
 const Rgb kDefaultColor(0.5f);
 
 /// A mirrored path whose throughput is below this takes part in surfaces only with the chance that makes up for it.
 constexpr float kFaint = 0.25f;
-
-template<class T>
-T blend(const std::vector<T>& v, const Vec3i& t, float u, float w) {
-    return v[std::size_t(t.x)] * (1 - u - w) + v[std::size_t(t.y)] * u + v[std::size_t(t.z)] * w;
-}
-
-// Normal of the smooth surface, object space, not normalised.
-Vec3f smoothNormal(const RefinedSurface& s, const RayHit& hit) {
-    if (!s.cornerNormals.empty()) {
-        const int c = int(3 * hit.triangle);
-        return blend(s.cornerNormals, {c, c + 1, c + 2}, hit.u, hit.v);
-    }
-    return blend(s.normals, s.triangles[hit.triangle], hit.u, hit.v);
-}
 
 } // namespace
 
@@ -53,7 +41,7 @@ int Integrator::chooseLights(const Vec3f& point, const Vec3f& normal, PixelSampl
 Integrator::Surfel Integrator::surfelAt(const PreparedInstance& instance, const Ray& ray, const RayHit& hit) const {
     const RefinedSurface& s = *instance.mesh->surface;
     const Vec3i& t = s.triangles[hit.triangle];
-    const Vec3f p = blend(s.points, t, hit.u, hit.v);
+    const Vec3f p = betweenCorners(s.points, t, hit.u, hit.v);
     // Shadow rays start from the smooth surface, else facets show at the terminator (Hanika 2021, "Hacking the shadow
     // terminator", Ray Tracing Gems II): the mean of the projections onto the corners' tangent planes.
     Vec3f lifted = p;
@@ -68,7 +56,7 @@ Integrator::Surfel Integrator::surfelAt(const PreparedInstance& instance, const 
     out.normal = normalize(Vec3f(instance.objectToWorld.normal(Vec3d(smoothNormal(s, hit)))));
     out.objectPoint = p;
     out.shadowOrigin = lifted;
-    out.albedo = s.colors.empty() ? kDefaultColor : blend(s.colors, t, hit.u, hit.v);
+    out.albedo = s.colors.empty() ? kDefaultColor : betweenCorners(s.colors, t, hit.u, hit.v);
     return out;
 }
 
@@ -103,13 +91,12 @@ ShellMarch& Integrator::marchOf(const PreparedInstance& instance) {
     return *march;
 }
 
-ShellRadiance Integrator::shadeShell(const PreparedInstance& instance, const Surfel& surfel, const Vec3f& direction,
-                                     float footprintMm, PixelSampler& sampler) {
+int Integrator::lightsOnShell(const PreparedInstance& instance, const Surfel& surfel, PixelSampler& sampler,
+                              ShellLight* lights) {
     const ShellObject& shell = *instance.mesh->shell;
     const Vec3f objectNormal = normalize(Vec3f(instance.worldToObject.normal(Vec3d(surfel.normal))));
     const float offset = 1e-3f * shell.grid->voxelSize();
 
-    ShellLight lights[kMaxLightsPerPath * kDomeDirections];
     int count = 0;
     const auto visible = [&](const Vec3f& point, const LightSample& light) {
         const Vec3f lifted(instance.objectToWorld.point(Vec3d(point + objectNormal * offset)));
@@ -140,8 +127,33 @@ ShellRadiance Integrator::shadeShell(const PreparedInstance& instance, const Sur
         }
     }
 
+    return count;
+}
+
+ShellRadiance Integrator::shadeShell(const PreparedInstance& instance, const Surfel& surfel, const Vec3f& direction,
+                                     float footprintMm, PixelSampler& sampler) {
+    ShellLight lights[kMaxShellLights];
+    const int count = lightsOnShell(instance, surfel, sampler, lights);
     ++rays_;
     return marchOf(instance).march(surfel.objectPoint, surfel.triangle, direction, footprintMm, lights, count, sampler);
+}
+
+ReliefRadiance Integrator::shadeRelief(const PreparedInstance& instance, const Surfel& surfel, const RayHit& hit,
+                                       const Vec3f& direction, float footprintMm, PixelSampler& sampler) {
+    ShellLight lights[kMaxShellLights];
+    const int count = lightsOnShell(instance, surfel, sampler, lights);
+    ++rays_;
+    const ReliefEntry entry{surfel.objectPoint, direction, normalize(smoothNormal(*instance.mesh->surface, hit)),
+                            hit.geometricNormal, surfel.triangle};
+    return marchOf(instance).marchRelief(entry, footprintMm, lights, count, sampler);
+}
+
+Ray Integrator::leaveRelief(const PreparedInstance& instance, const ShellExit& exit) const {
+    const Vec3f outward = normalize(Vec3f(instance.objectToWorld.normal(Vec3d(exit.outward))));
+    Ray ray;
+    ray.direction = normalize(Vec3f(instance.objectToWorld.vector(Vec3d(exit.direction))));
+    ray.origin = Vec3f(instance.objectToWorld.point(Vec3d(exit.point))) + outward * scene_.shadowOffset;
+    return ray;
 }
 
 Ray Integrator::leaveShell(const PreparedInstance& instance, const Surfel& entry, const Vec3f& direction,
@@ -217,25 +229,8 @@ PixelSample Integrator::sample(Ray ray, const RayCone& cone, PixelSampler& sampl
         const float scale = length(scaled);
         Vec3f direction = scaled / scale;
 
-        // What is inside is seen through the surface: (1 - F) of it, and less by n^2, for the solid angle widens there
-        // (DESIGN 3.6). Rays into a relief keep their direction: their interface lies deeper.
-        const bool refracts = shell->medium->refracts(), bends = refracts && !shell->medium->hasSurface();
-        SurfaceCrossing in;
-        Rgb inner = throughput;
-        if (refracts) {
-            const float ior = marchOf(instance).iorAt(surfel.objectPoint, surfel.triangle);
-            in = crossSurface(direction, normalize(smoothNormal(*instance.mesh->surface, hit)), hit.geometricNormal,
-                              ior);
-            direction = bends && in.reflectance < 1 ? in.refracted : direction;
-            inner *= (1 - in.reflectance) / (ior * ior);
-        }
-        Rgb through(0.0f);
-        Ray onward = ray;
-        float moved = 0; // from the ray's origin to that of the next
-        if (maxComponent(inner) > 0) {
-            const float footprint = cone.at(travelled + hit.t) * scale * shell->mmPerUnit;
-            const ShellRadiance r = shadeShell(instance, surfel, direction, footprint, sampler);
-            const Rgb single = inner * r.single, multiple = inner * r.multiple, core = inner * r.core;
+        const float footprint = cone.at(travelled + hit.t) * scale * shell->mmPerUnit;
+        const auto collect = [&](const Rgb& single, const Rgb& multiple, const Rgb& core) {
             out.color += single + multiple + core;
             if (mirrored) {
                 out.reflection += single + multiple + core;
@@ -244,20 +239,63 @@ PixelSample Integrator::sample(Ray ray, const RayCone& cone, PixelSampler& sampl
                 out.multiple += multiple;
                 out.core += core;
             }
-            through = throughput * r.transmittance * (1 - in.reflectance); // n^2 is undone where it leaves again
-            onward.tNear = (hit.t + r.tExit / scale) * (1 + 1e-6f) + scene_.shadowOffset;
-            if (bends && r.throughSurface && dot(direction, r.exit.geometricNormal) > 0 && maxComponent(through) > 0) {
-                float share = 1;
-                onward = leaveShell(instance, surfel, direction, r, share);
-                moved = hit.t + r.tExit / scale;
-                through *= share;
+        };
+        // Two ways lead on: through the shell and off its surface.
+        Rgb through(0.0f), reflected(0.0f);
+        Ray onward = ray, mirrorRay;
+        float moved = 0, mirrorMoved = hit.t; // from the ray's origin to that of the next
+        if (shell->medium->refracts() && shell->medium->hasSurface()) {
+            const ReliefRadiance r = shadeRelief(instance, surfel, hit, direction, footprint, sampler);
+            collect(throughput * r.single, throughput * r.multiple, throughput * r.core);
+            out.color += throughput * r.reflection;
+            out.reflection += throughput * r.reflection;
+            through = throughput * r.through.weight;
+            if (maxComponent(through) > 0) {
+                onward = leaveRelief(instance, r.through);
+                moved = hit.t + r.through.travelled / scale;
+            }
+            reflected = throughput * r.mirror.weight;
+            if (maxComponent(reflected) > 0) {
+                mirrorRay = leaveRelief(instance, r.mirror);
+                mirrorMoved = hit.t + r.mirror.travelled / scale;
+            }
+        } else {
+            // What is inside is seen through the surface: (1 - F) of it, and less by n^2, for the solid angle widens
+            // there (DESIGN 3.6).
+            const bool refracts = shell->medium->refracts();
+            SurfaceCrossing in;
+            Rgb inner = throughput;
+            if (refracts) {
+                const float ior = marchOf(instance).iorAt(surfel.objectPoint, surfel.triangle);
+                in = crossSurface(direction, normalize(smoothNormal(*instance.mesh->surface, hit)), hit.geometricNormal,
+                                  ior);
+                direction = in.reflectance < 1 ? in.refracted : direction;
+                inner *= (1 - in.reflectance) / (ior * ior);
+            }
+            if (maxComponent(inner) > 0) {
+                const ShellRadiance r = shadeShell(instance, surfel, direction, footprint, sampler);
+                collect(inner * r.single, inner * r.multiple, inner * r.core);
+                through = throughput * r.transmittance * (1 - in.reflectance); // n^2 is undone where it leaves again
+                onward.tNear = (hit.t + r.tExit / scale) * (1 + 1e-6f) + scene_.shadowOffset;
+                if (refracts && r.throughSurface && dot(direction, r.exit.geometricNormal) > 0 &&
+                    maxComponent(through) > 0) {
+                    float share = 1;
+                    onward = leaveShell(instance, surfel, direction, r, share);
+                    moved = hit.t + r.tExit / scale;
+                    through *= share;
+                }
+            }
+            if (in.reflectance > 0) {
+                reflected = throughput * in.reflectance;
+                mirrorRay.direction = normalize(Vec3f(instance.objectToWorld.vector(Vec3d(in.reflected))));
+                mirrorRay.origin = Vec3f(instance.objectToWorld.point(Vec3d(surfel.shadowOrigin))) +
+                                   surfel.normal * scene_.shadowOffset;
             }
         }
         if (!mirrored) {
             out.alpha += average(throughput - through);
         }
-        // Two ways lead on; where both bring something, one is taken by its share.
-        const Rgb reflected = throughput * in.reflectance;
+        // Where both bring something, one is taken by its share.
         const float a = maxComponent(through), b = maxComponent(reflected);
         if (!(a + b > 0)) {
             return out;
@@ -266,11 +304,8 @@ PixelSample Integrator::sample(Ray ray, const RayCone& cone, PixelSampler& sampl
         throughput = mirror ? reflected * ((a + b) / b) : through * (a > 0 && b > 0 ? (a + b) / a : 1.0f);
         if (mirror) {
             mirrored = true;
-            moved = hit.t;
-            onward = Ray();
-            onward.direction = normalize(Vec3f(instance.objectToWorld.vector(Vec3d(in.reflected))));
-            onward.origin =
-                Vec3f(instance.objectToWorld.point(Vec3d(surfel.shadowOrigin))) + surfel.normal * scene_.shadowOffset;
+            moved = mirrorMoved;
+            onward = mirrorRay;
         }
         ray = onward;
         travelled += moved;

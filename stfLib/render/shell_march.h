@@ -1,17 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "stfLib/render/shell_object.h"
-#include "stfLib/render/tile_march.h"
+#include "stfLib/render/relief_march.h"
 
 namespace stf {
-
-/// One light direction of a camera path, object space, with the visibility already in it.
-struct ShellLight {
-    Vec3f towards;   ///< unit, outside
-    Rgb forSingle;   ///< perpendicular irradiance, exact visibility
-    Rgb forMultiple; ///< perpendicular irradiance, visibility averaged over the diffusion disc
-};
 
 /// Radiance inside the shell that a camera ray collects there, and what is left of it.
 struct ShellRadiance {
@@ -23,21 +15,9 @@ struct ShellRadiance {
     RayHit exit;
 };
 
-/// The frame that the exemplar has at a lookup: tangent, bitangent, normal of the smooth limit surface. Mirrored
-/// coordinates flip the bitangent, as the tile itself is flipped.
-class TileFrame {
-public:
-    explicit TileFrame(const ShellLookup& at);
-    /// A direction of object space in the frame.
-    Vec3f toTile(const Vec3f& d) const { return {dot(d, tangent_), dot(d, bitangent_), dot(d, normal_)}; }
-
-private:
-    Vec3f tangent_, bitangent_, normal_;
-};
-
 /// Marches object-space rays through one shell: follows the grid's exemplar coordinates and hands straight pieces, one
-/// per grid voxel, to a TileMarch (of the tile's level that the footprint asks for); at the end the core shines through what is left of the ray.
-/// One march per thread and object: it holds a probe.
+/// per grid voxel, to a TileMarch (of the tile's level that the footprint asks for); at the end the core shines through
+/// what is left of the ray. One march per thread and object: it holds a probe.
 class ShellMarch {
 public:
     ShellMarch(const ShellObject& object, const Rgb* coreRadiancePerSample);
@@ -47,11 +27,14 @@ public:
     /// precision. At most 16 lights count. `footprintMm`: width of what the pixel sees at the entry; the coarsest level
     /// of the grid that shows it is read.
     ShellRadiance march(const Vec3f& entry, std::uint32_t triangle, const Vec3f& direction, float footprintMm,
-                        const ShellLight* lights,
-                        int lightCount, PixelSampler& sampler);
+                        const ShellLight* lights, int lightCount, PixelSampler& sampler);
 
-    /// Index of refraction of the material at, or first below, a point of a triangle of the surface; 1 where the grid
-    /// has none.
+    /// The same where a relief refracts: split there, and followed until it leaves.
+    ReliefRadiance marchRelief(const ReliefEntry& entry, float footprintMm, const ShellLight* lights, int lightCount,
+                               PixelSampler& sampler);
+
+    /// Index of refraction of a flat shell's material at a point of a triangle of the surface; 1 where the grid has
+    /// none.
     float iorAt(const Vec3f& surfacePoint, std::uint32_t triangle);
 
 private:
