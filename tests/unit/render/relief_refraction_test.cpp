@@ -6,6 +6,8 @@
 #include "tests/unit/transport/reliefs.h"
 #include "tests/unit/transport/walks.h"
 
+#include <algorithm>
+
 namespace stf::test {
 namespace {
 
@@ -14,8 +16,7 @@ constexpr double kVoxelMm = 0.1, kTileMm = kColumns * kVoxelMm;
 
 // A tile under a height field along x; depths in voxels.
 BaseVolume under(const Relief& relief, int layers, double kappa, double albedo, double n, double g = 0) {
-    BaseVolume v =
-        homogeneous({kColumns, 2, layers}, Vec3d(kVoxelMm), Rgb(float(kappa)), Rgb(float(albedo)), float(g));
+    BaseVolume v = homogeneous({kColumns, 2, layers}, Vec3d(kVoxelMm), Rgb(float(kappa)), Rgb(float(albedo)), float(g));
     relief.carve(v);
     return withIndex(std::move(v), n);
 }
@@ -78,21 +79,23 @@ TEST(ReliefRefraction, PlaneEqualsTheFlatTop) {
 
 // A groove of 45 degrees in black glass, seen from above, shows what both of its sides mirror one after the other.
 TEST(ReliefRefraction, GrooveMirrorsTwice) {
-    const double n = 1.5, once = fresnelSplit<double>(std::sqrt(0.5), n).reflectance;
-    // Columns away from ridge and valley alone: there the polygon has a corner that is cut.
-    const BaseVolume v = under(groove(kColumns, 2, 10), 20, 200, 0, n);
-    Slab slab = in(v);
-    slab.settings.samples = 64;
-    const Slab::Measured r = slab.radiance();
-    std::printf("groove %.6f +- %.6f, F^2 %.6f\n", r.mean, r.error, once * once);
-    // Within 3 of 16 columns one side may be bevelled: F instead of F^2.
-    EXPECT_GT(r.mean, 0.9 * once * once);
-    EXPECT_LT(r.mean, once * once + 4.0 / kColumns * once);
+    const double n = 2.4, once = fresnelSplit<double>(std::sqrt(0.5), n).reflectance;
+    Relief relief = groove(kColumns, 2, 10);
+    std::rotate(relief.depth.begin(), relief.depth.begin() + kColumns / 4, relief.depth.end());
+    Slab slab = in(under(relief, 20, 200, 0, n));
+    slab.viewMm = kVoxelMm; // amid a side, far from ridge and valley
+    slab.settings.samples = 512;
+    EXPECT_TRUE(slab.radiance().near(once * once, 1e-3));
+    // All of it is reflection.
+    const std::vector<float> reflection = slab.render(Aov::StfReflection), color = slab.render();
+    for (std::size_t i = 0; i < reflection.size() / 3; ++i) {
+        ASSERT_EQ(reflection[3 * i], color[4 * i]);
+    }
 }
 
 // A white dome over a tile that absorbs nothing is all there is to see, whatever interfaces do.
 TEST(ReliefRefraction, WhiteFurnace) {
-    for (const double n : {1.0001, 1.3, 1.5, 0.8}) {
+    for (const double n : {1.3, 1.5, 0.8}) {
         for (const double mu : {1.0, 0.5, 0.125}) {
             Slab slab = in(under(waves(kColumns, 5, 3), 20, 4, 1, n, 0.3));
             slab.coreAlbedo = 1;
@@ -111,19 +114,24 @@ TEST(ReliefRefraction, ReciprocalToWalks) {
         const BaseVolume v = under(waves(kColumns, 6, 4), 30, 3, 0.9, n, 0.3);
         const TileMedium medium(v, TransportForm::Classic);
         for (const double mu : {1.0, 0.5, 0.25}) {
-            WalkSource source;
-            const float s = float(std::sqrt(1 - mu * mu));
-            const auto albedo = [&](const Vec3f& from) {
-                WalkSource light;
-                light.towardsLight = from;
-                const auto batches = walkBatches(medium, light, 32, 4000, fluenceRequest(0, 7));
-                return estimate(batches, [](const WalkTally& b) { return b.above.x / double(b.photons); });
-            };
-            const Estimate walked = albedo({0, -s, float(mu)});
+            WalkSource light;
+            light.towardsLight = {0, -float(std::sqrt(1 - mu * mu)), float(mu)};
+            const Estimate walked = estimate(walkBatches(medium, light, 32, 4000, totalsRequest(0, 7)),
+                                             [](const WalkTally& b) { return reflectance(b); });
             Slab slab = in(v);
             slab.viewCosine = mu;
-            const Slab::Measured r = slab.radiance();
-            EXPECT_TRUE(r.near(walked.mean, 4 * walked.sigma / walked.mean + 0.01)) << "index " << n << ", mu " << mu;
+            slab.settings.samples = 64;
+            // Pixels differ by what they see: the error is that of repetitions.
+            Slab::Measured r;
+            std::vector<double> images;
+            for (int seed = 1; seed <= 8; ++seed) {
+                slab.settings.seed = std::uint64_t(seed);
+                r = slab.radiance();
+                images.push_back(r.mean);
+            }
+            r.mean = estimate(images).mean;
+            r.error = std::hypot(estimate(images).sigma, walked.sigma);
+            EXPECT_TRUE(r.near(walked.mean, 0.01)) << "index " << n << ", mu " << mu;
         }
     }
 }
@@ -131,8 +139,8 @@ TEST(ReliefRefraction, ReciprocalToWalks) {
 // Total reflection, grazing views and clear ridges: nothing but numbers, and never more than there is light.
 TEST(ReliefRefraction, StaysFiniteWhereItIsHard) {
     for (const double n : {0.5, 1.0001, 2.4}) {
-        for (const double kappa : {0.0, 0.2, 50.0}) {
-            for (const double mu : {1.0, 0.3, 0.02}) {
+        for (const double kappa : {0.0, 50.0}) {
+            for (const double mu : {0.3, 0.02}) {
                 Slab slab = in(under(stairs(kColumns, 1, 8), 12, kappa, 0.5, n));
                 slab.viewMm = 0.2;
                 slab.settings.samples = 16;
