@@ -236,6 +236,7 @@ stf::RenderSettings HdStfRenderDelegate::GetStfSettings() const {
     settings.seed = static_cast<uint64_t>(GetRenderSetting<int>(HdStfRenderSettingsTokens->seed, 0));
     settings.threads = GetRenderSetting<int>(HdStfRenderSettingsTokens->threads, settings.threads);
     settings.quality = GetRenderSetting<float>(HdStfRenderSettingsTokens->quality, settings.quality);
+    settings.errorTarget = GetRenderSetting<float>(HdStfRenderSettingsTokens->errorTarget, settings.errorTarget);
     settings.transport = GetRenderSetting<std::string>(HdStfRenderSettingsTokens->transport, settings.transport);
     return settings;
 }

@@ -44,6 +44,10 @@ VtValue _InRange(TfToken const& key, VtValue const& value) {
     if (key == HdStfRenderSettingsTokens->samples) {
         return VtValue(std::max(1, value.UncheckedGet<int>()));
     }
+    if (key == HdStfRenderSettingsTokens->errorTarget) {
+        const float target = value.UncheckedGet<float>();
+        return target >= 0 && std::isfinite(target) ? value : VtValue();
+    }
     if (key == HdStfRenderSettingsTokens->threads) {
         return VtValue(std::max(0, value.UncheckedGet<int>()));
     }
@@ -68,6 +72,8 @@ HdRenderSettingDescriptorList HdStfMakeSettingDescriptors() {
     HdRenderSettingDescriptorList list = {
         {"Samples per pixel", HdStfRenderSettingsTokens->samples,
          VtValue(static_cast<int>(_EnvNumber("HDSTF_SAMPLES", 64)))},
+        {"Wanted error of a pixel (0 = off)", HdStfRenderSettingsTokens->errorTarget,
+         VtValue(static_cast<float>(_EnvNumber("HDSTF_ERROR_TARGET", 0)))},
         {"Seed", HdStfRenderSettingsTokens->seed, VtValue(static_cast<int>(_EnvNumber("HDSTF_SEED", 0)))},
         {"Target error of the tables", HdStfRenderSettingsTokens->quality,
          VtValue(static_cast<float>(_EnvNumber("HDSTF_QUALITY", 0.02)))},
@@ -81,7 +87,8 @@ HdRenderSettingDescriptorList HdStfMakeSettingDescriptors() {
     // The environment obeys the same ranges as everybody.
     for (HdRenderSettingDescriptor& descriptor : list) {
         if (_InRange(descriptor.key, descriptor.defaultValue).IsEmpty()) {
-            descriptor.defaultValue = descriptor.key == HdStfRenderSettingsTokens->quality ? VtValue(0.02f)
+            descriptor.defaultValue = descriptor.key == HdStfRenderSettingsTokens->quality       ? VtValue(0.02f)
+                                      : descriptor.key == HdStfRenderSettingsTokens->errorTarget ? VtValue(0.0f)
                                       : descriptor.key == HdStfRenderSettingsTokens->transport
                                           ? VtValue(std::string("dE1"))
                                           : VtValue(0.01);

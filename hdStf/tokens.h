@@ -9,7 +9,7 @@ PXR_NAMESPACE_OPEN_SCOPE
 /// Render settings (docs/settings.md).
 #define HDSTF_RENDER_SETTINGS_TOKENS                                                                                   \
     ((samples, "stf:samples"))((seed, "stf:seed"))((quality, "stf:quality"))((transport, "stf:transport"))(            \
-        (threads, "stf:threads"))((stageMetersPerUnit, "stageMetersPerUnit"))
+        (errorTarget, "stf:errorTarget"))((threads, "stf:threads"))((stageMetersPerUnit, "stageMetersPerUnit"))
 
 /// Constant primvars of StfShellAPI, as Hydra delivers them (without `primvars:`).
 #define HDSTF_PRIMVAR_TOKENS                                                                                           \

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stfLib/render/film.h"
 
+#include <limits>
+
 namespace stf {
 
 namespace {
@@ -164,18 +166,34 @@ std::vector<std::int32_t> Film::readIds(Aov aov) const {
     return out;
 }
 
+LuminanceEstimate Film::luminanceOf(const Accumulator& a) {
+    if (a.count < 2) {
+        return {0, std::numeric_limits<double>::infinity()};
+    }
+    const double inv = 1.0 / a.count;
+    const Vec3d m = a.color * inv, v = (a.colorSquared * inv - m * m) * (1.0 / (a.count - 1));
+    const Rgb deviation(float(std::sqrt(std::max(0.0, v.x))), float(std::sqrt(std::max(0.0, v.y))),
+                        float(std::sqrt(std::max(0.0, v.z))));
+    return {double(luminance(Rgb(m))), double(luminance(deviation))};
+}
+
+std::vector<LuminanceEstimate> Film::luminances() const {
+    std::vector<LuminanceEstimate> out;
+    out.reserve(pixels_.size());
+    for (const Accumulator& a : pixels_) {
+        out.push_back(luminanceOf(a));
+    }
+    return out;
+}
+
 double Film::relativeError() const {
     double mean = 0, error = 0;
     for (const Accumulator& a : pixels_) {
-        if (a.count < 2) {
-            continue;
+        const LuminanceEstimate e = luminanceOf(a);
+        if (std::isfinite(e.error)) {
+            error += e.error;
+            mean += e.mean;
         }
-        const double inv = 1.0 / a.count;
-        const Vec3d m = a.color * inv, v = (a.colorSquared * inv - m * m) * (1.0 / (a.count - 1));
-        // Channels are taken as fully correlated: the safe side.
-        error += 0.2126 * std::sqrt(std::max(0.0, v.x)) + 0.7152 * std::sqrt(std::max(0.0, v.y)) +
-                 0.0722 * std::sqrt(std::max(0.0, v.z));
-        mean += 0.2126 * m.x + 0.7152 * m.y + 0.0722 * m.z;
     }
     return mean > 0 ? error / mean : 0;
 }

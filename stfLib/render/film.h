@@ -52,6 +52,11 @@ struct PixelHit {
     std::int32_t primId = -1, instanceId = -1, elementId = -1;
 };
 
+/// Mean luminance of a pixel and its standard error; infinite below two samples.
+struct LuminanceEstimate {
+    double mean = 0, error = 0;
+};
+
 /// Accumulates samples. One thread per pixel at a time; `read` not while samples are added.
 class Film {
 public:
@@ -68,6 +73,8 @@ public:
     /// Rows from the bottom up (OpenGL order, as Hydra's buffers), `aovChannels` floats a pixel.
     std::vector<float> read(Aov aov) const;
     std::vector<std::int32_t> readIds(Aov aov) const;
+    /// Of every pixel. Channels are taken as fully correlated: the safe side.
+    std::vector<LuminanceEstimate> luminances() const;
     /// Mean over the image of the standard error of a pixel's luminance, relative to the mean luminance.
     double relativeError() const;
 
@@ -77,6 +84,7 @@ private:
         double alpha = 0;
         std::uint32_t count = 0;
     };
+    static LuminanceEstimate luminanceOf(const Accumulator& a);
     std::size_t index(int x, int y) const { return std::size_t(y) * std::size_t(width_) + std::size_t(x); }
 
     int width_ = 0, height_ = 0;

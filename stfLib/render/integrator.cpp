@@ -331,7 +331,7 @@ PixelHit Integrator::firstHit(const Ray& ray, const Camera& camera) {
     out.albedo = s.albedo;
     if (const ShellObject* shell = instance.mesh->shell.get()) {
         // The albedo of the first voxel with material, straight down from where the ray enters.
-        ShellProbe probe(*shell->grid, shell->pose.get());
+        ShellProbe probe(*shell->grid, *shell->surface, shell->pose.get());
         probe.enter(s.triangle);
         ShellLookup at;
         if (probe.lookup(s.objectPoint, at)) {

@@ -213,6 +213,7 @@ ShellExit ReliefMarch::follow(Path path, Rgb& core) {
                 return exit;
             }
             if (path.inside) {
+                probe_.enter(hit.triangle);
                 continue;
             }
         }
@@ -233,9 +234,7 @@ ReliefRadiance ReliefMarch::march(const ReliefEntry& entry) {
     }
     if (mirrors_) {
         tile_.branch(mirrorWeight_);
-        if (mirror_.place.known) {
-            probe_.enter(mirror_.place.at.triangle);
-        }
+        probe_.enter(entry.triangle);
         Rgb core(0.0f);
         if (mirror_.onTop) {
             // The limit surface itself mirrors: outside of the shell.

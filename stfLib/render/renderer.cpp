@@ -2,6 +2,7 @@
 #include "stfLib/render/renderer.h"
 
 #include "stfLib/base/parallel.h"
+#include "stfLib/render/adaptive_sampling.h"
 #include "stfLib/render/core_light.h"
 #include "stfLib/render/integrator.h"
 #include "stfLib/render/shell_builder.h"
@@ -59,6 +60,10 @@ struct Renderer::Impl {
 
     void prepareMesh(const std::string& id, const SceneMesh& m, double metersPerUnit, Kept& kept, Progress& progress);
     void placeInstances(const Scene& source);
+    void restartSampling() {
+        adaptive.restart(film.width(), film.height());
+        passDone.assign(std::size_t(film.width()) * std::size_t(film.height()), 0);
+    }
 
     std::mutex messageMutex;
     MessageSink sink;
@@ -75,6 +80,8 @@ struct Renderer::Impl {
     std::uint64_t preparedVersion = 0, lightVersion = 0;
     RenderSettings preparedSettings; ///< tables depend on quality and form, the core's samples on the seed
     int passes = 0;
+    AdaptiveSampling adaptive;
+    std::vector<std::uint32_t> passDone; ///< per pixel, passes that it took part in or was spared
     RenderStats stats;
     std::vector<PlanEntry> scenePlan;
     Clock::time_point prepareStart;
@@ -209,6 +216,7 @@ void Renderer::setCamera(const Camera& camera, int width, int height) {
     impl_->camera = camera;
     if (impl_->film.width() != width || impl_->film.height() != height) {
         impl_->film.resize(width, height);
+        impl_->restartSampling();
     }
 }
 
@@ -304,6 +312,7 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
 
 void Renderer::restart() {
     impl_->film.clear();
+    impl_->restartSampling();
     impl_->passes = 0;
     impl_->stats.rays = 0;
     impl_->stats.renderSeconds = 0;
@@ -322,6 +331,7 @@ bool Renderer::renderPass(Progress& progress) {
     const int width = s.film.width(), height = s.film.height();
     const int tilesX = (width + kTile - 1) / kTile, tilesY = (height + kTile - 1) / kTile;
     const std::uint32_t pass = std::uint32_t(s.passes);
+    s.adaptive.beforePass(s.film, pass, double(s.settings.errorTarget));
     std::atomic<std::uint64_t> rays{0};
     parallelFor(std::size_t(tilesX) * std::size_t(tilesY), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t tile = begin; tile < end && !progress.cancelled(); ++tile) {
@@ -329,8 +339,9 @@ bool Renderer::renderPass(Progress& progress) {
             const int x0 = int(tile) % tilesX * kTile, y0 = int(tile) / tilesX * kTile;
             for (int y = y0; y < std::min(y0 + kTile, height); ++y) {
                 for (int x = x0; x < std::min(x0 + kTile, width); ++x) {
-                    if (s.film.sampleCount(x, y) > pass) {
-                        continue; // done before this pass was interrupted
+                    std::uint32_t& done = s.passDone[std::size_t(y) * std::size_t(width) + std::size_t(x)];
+                    if (done > pass || !s.adaptive.active(x, y)) {
+                        continue; // done before this pass was interrupted, or good enough
                     }
                     const auto ndc = [&](double px, double py) {
                         return s.camera.ray(2 * px / width - 1, 2 * py / height - 1, s.scene->origin);
@@ -339,12 +350,13 @@ bool Renderer::renderPass(Progress& progress) {
                         s.film.setHit(x, y, integrator.firstHit(ndc(x + 0.5, y + 0.5), s.camera));
                     }
                     PixelSampler sampler(s.settings.seed, std::uint64_t(y) * std::uint64_t(width) + std::uint64_t(x),
-                                         pass);
+                                         s.film.sampleCount(x, y));
                     const Vec2f u = sampler.next2d();
                     const Ray ray = ndc(x + 0.5 + double(tent(u.x)), y + 0.5 + double(tent(u.y)));
                     const RayCone cone =
                         s.camera.cone(2 * (x + 0.5) / width - 1, 2 * (y + 0.5) / height - 1, 2.0 / width, 2.0 / height);
                     s.film.add(x, y, integrator.sample(ray, cone, sampler));
+                    done = pass + 1;
                 }
             }
             rays += integrator.rays();
@@ -362,7 +374,8 @@ bool Renderer::renderPass(Progress& progress) {
 }
 
 bool Renderer::converged() const {
-    return impl_->passes >= std::max(1, impl_->settings.samples);
+    return impl_->passes >= std::max(1, impl_->settings.samples) ||
+           (impl_->passes > 0 && impl_->adaptive.activeCount() == 0);
 }
 
 const Film& Renderer::film() const {

@@ -20,12 +20,15 @@ struct TransportOptions;
 struct RenderSettings {
     int samples = 64; ///< per pixel
     std::uint64_t seed = 0;
+    /// Wanted relative error of a pixel's luminance: pixels that are below it get no more samples (`samples` is the
+    /// most). 0: all get `samples`.
+    float errorTarget = 0;
     int threads = 0;               ///< 0 = all cores
     float quality = 0.02f;         ///< target relative error of the tables, where a binding does not say
     std::string transport = "dE1"; ///< form of the tables, where a binding does not say: dE1, classic
     bool operator==(const RenderSettings& s) const {
-        return samples == s.samples && seed == s.seed && threads == s.threads && quality == s.quality &&
-               transport == s.transport;
+        return samples == s.samples && seed == s.seed && errorTarget == s.errorTarget && threads == s.threads &&
+               quality == s.quality && transport == s.transport;
     }
 };
 

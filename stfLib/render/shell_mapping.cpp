@@ -82,8 +82,8 @@ MappedSurface ShellMappings::prepare(const ControlMesh& given, int refineLevel, 
 
     // Which mapping, judged on the surface of a shell as deep as the sample, so that the thickness does not matter.
     Sampling how(mesh, refineLevel, o.source->extentMm().z / mmPerUnit);
-    const std::string choiceKey =
-        rest + how.key() + ";" + binding.mapping + ";volume=" + volumeHash + (o.volume->laterallyUniform() ? ";uniform" : "");
+    const std::string choiceKey = rest + how.key() + ";" + binding.mapping + ";volume=" + volumeHash +
+                                  (o.volume->laterallyUniform() ? ";uniform" : "");
     std::optional<Sampled> limit, samples; ///< what was made on the way
     out.choice = choices_.find(choiceKey);
     if (!out.choice) {

@@ -16,7 +16,7 @@ struct MappedSurface {
     std::shared_ptr<const MappingChoice> choice;
     std::shared_ptr<const RefinedSurface> surface;
     std::shared_ptr<const ExemplarMap> map;
-    std::shared_ptr<const BlendMap> blend; ///< holds `map` where the mapping is Blend; else null
+    std::shared_ptr<const BlendMap> blend;       ///< holds `map` where the mapping is Blend; else null
     std::shared_ptr<const RefinedSurface> posed; ///< null: it is seen at rest
 };
 

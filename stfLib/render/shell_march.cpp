@@ -26,7 +26,7 @@ BlendPlace ShellMarch::blendAt(const ShellLookup& at, const Vec3f& perMm) const 
 }
 
 ShellMarch::ShellMarch(const ShellObject& object, const Rgb* coreRadiancePerSample)
-    : object_(object), probe_(*object.grid, object.pose.get()), core_(coreRadiancePerSample) {
+    : object_(object), probe_(*object.grid, *object.surface, object.pose.get()), core_(coreRadiancePerSample) {
     const std::vector<TilePyramid::Level>& levels = object.pyramid->levels();
     tiles_.reserve(levels.size());
     for (std::size_t l = 0; l < levels.size(); ++l) {

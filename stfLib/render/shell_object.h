@@ -21,15 +21,15 @@ struct ShellObject {
     std::shared_ptr<const BaseVolume> source; ///< as read from its file
     std::shared_ptr<const BaseVolume> volume; ///< cropped to the shell's depth; `source` where that is all of it
     std::shared_ptr<const StfTable> table;
-    std::shared_ptr<const TileMedium> medium;      ///< of the table's form
-    std::shared_ptr<const RefinedSurface> surface; ///< as it is seen
-    std::shared_ptr<const ShellBoundary> boundary; ///< as it is seen
-    std::shared_ptr<const ExemplarMap> map;        ///< of the rest pose, where there is one
-    std::shared_ptr<const BlendMap> blend;         ///< which places points show besides; null: none
-    std::shared_ptr<const TilePyramid> pyramid;    ///< medium and table for pixels of any footprint
+    std::shared_ptr<const TileMedium> medium;                  ///< of the table's form
+    std::shared_ptr<const RefinedSurface> surface;             ///< as it is seen
+    std::shared_ptr<const ShellBoundary> boundary;             ///< as it is seen
+    std::shared_ptr<const ExemplarMap> map;                    ///< of the rest pose, where there is one
+    std::shared_ptr<const BlendMap> blend;                     ///< which places points show besides; null: none
+    std::shared_ptr<const TilePyramid> pyramid;                ///< medium and table for pixels of any footprint
     std::vector<std::shared_ptr<const HistogramBlend>> mixers; ///< of each of its levels, where there is a blend
-    std::shared_ptr<const ShellGrid> grid;         ///< of the rest pose, where there is one
-    std::shared_ptr<const PosedShell> pose;        ///< from what is seen to the rest pose; null: that is what is seen
+    std::shared_ptr<const ShellGrid> grid;                     ///< of the rest pose, where there is one
+    std::shared_ptr<const PosedShell> pose; ///< from what is seen to the rest pose; null: that is what is seen
     std::shared_ptr<const RayMesh> rayMesh;
     std::vector<std::shared_ptr<const void>> stages; ///< what else it was made from: kept in memory with it
     CoreMaterial core;

@@ -161,6 +161,13 @@ void PosedShell::carry(const Place& place, ShellLookup& lookup) const {
     lookup.normal = Vec3f(normalize(normal));
 }
 
+void ShellProbe::enter(std::uint32_t triangle) {
+    place_ = {triangle};
+    const Vec3i& t = surface_.triangles[triangle];
+    const Vec3f& p = surface_.points[std::size_t(t.x)];
+    accessor_.prefer(normalize(cross(surface_.points[std::size_t(t.y)] - p, surface_.points[std::size_t(t.z)] - p)));
+}
+
 bool ShellProbe::lookup(const Vec3f& point, ShellLookup& out, const Rgb* core, int level) {
     if (!pose_) {
         return accessor_.lookup(point, out, core, level);

@@ -37,6 +37,8 @@ public:
     /// Finds a point of the posed shell, `place` being one nearby. False outside, where the shell folds over itself, or
     /// where no way leads there; `place` is then as it was.
     bool locate(const Vec3f& posedPoint, Place& place) const;
+    /// The surface at rest.
+    const RefinedSurface& atRest() const { return *rest_.surface; }
     /// The point at rest.
     Vec3f atRest(const Place& place) const;
     /// Turns what a lookup at rest gave into that of the pose: gradients are carried with the material, the normal is
@@ -51,10 +53,11 @@ private:
 /// What a shell shows at points in it, in whatever pose it is. One per thread.
 class ShellProbe {
 public:
-    /// `pose` null: the grid is in the pose that is seen.
-    ShellProbe(const ShellGrid& grid, const PosedShell* pose) : accessor_(grid), pose_(pose) {}
-    /// The points asked for next begin near that triangle of the surface.
-    void enter(std::uint32_t triangle) { place_ = {triangle}; }
+    /// `pose` null: the grid is in the pose that is seen, that of `surface`.
+    ShellProbe(const ShellGrid& grid, const RefinedSurface& surface, const PosedShell* pose)
+        : accessor_(grid), surface_(pose ? pose->atRest() : surface), pose_(pose) {}
+    /// The points asked for next begin near that triangle of the surface; beside hard edges they stay on its side.
+    void enter(std::uint32_t triangle);
     /// See ShellGrid::Accessor::lookup.
     bool lookup(const Vec3f& objectPoint, ShellLookup& out, const Rgb* core = nullptr, int level = 0);
     /// Asks for the memory of a lookup that comes soon; nothing in a pose, where it is not known yet where.
@@ -66,6 +69,7 @@ public:
 
 private:
     ShellGrid::Accessor accessor_;
+    const RefinedSurface& surface_; ///< in the grid's pose
     const PosedShell* pose_;
     PosedShell::Place place_;
 };

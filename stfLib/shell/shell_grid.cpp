@@ -139,11 +139,11 @@ private:
                 return voxel;
             }
             grid_.levels.clear();
-            // Lookups are of second order, seams move by a share of a voxel.
-            double ratio =
-                r.errorTexels() > options_.errorTexels ? std::sqrt(options_.errorTexels / r.errorTexels()) * 0.95 : 1.0;
-            if (options_.seamTexels > 0 && r.seamTexels > options_.seamTexels) {
-                ratio = std::min(ratio, options_.seamTexels / r.seamTexels * 0.95);
+            // Halved, so that voxels stay a whole part of the thickness; seams move by a share of a voxel.
+            double ratio = 0.5;
+            if (options_.seamTexels > 0 && r.seamTexels > options_.seamTexels &&
+                r.errorTexels() <= options_.errorTexels) {
+                ratio = options_.seamTexels / r.seamTexels * 0.95;
             }
             voxel *= std::clamp(ratio, 0.4, 0.8);
         }
@@ -273,7 +273,7 @@ private:
     Progress& progress_;
     const MessageSink& messages_;
     double thickness_, texelMm_;
-    std::vector<ShellProbe> probes_;
+    std::vector<ProbedPoint> probes_;
 };
 
 } // namespace

@@ -88,6 +88,9 @@ public:
         /// modulo the tile; corners across a seam are left out). False outside the band. `core`: radiance leaving the
         /// core per sample (spreadCoreRadiance), or null for none. `level` is clamped to those there are.
         bool lookup(const Vec3f& objectPoint, ShellLookup& out, const Rgb* core = nullptr, int level = 0);
+        /// Beside hard edges, lookups from now on stay on the side that faces along a normal, as far as the grid holds
+        /// it; (0, 0, 0): they take the side that they are nearer to.
+        void prefer(const Vec3f& normal);
         /// Asks for the memory of a lookup that comes soon.
         void prefetch(const Vec3f& objectPoint, int level = 0);
 

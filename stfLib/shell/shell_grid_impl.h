@@ -31,6 +31,7 @@ class ShellReader {
 public:
     explicit ShellReader(const ShellGridData& grid);
     bool lookup(const Vec3f& objectPoint, int level, ShellLookup& out, const Rgb* core);
+    void prefer(const Vec3f& normal) { prefer_ = normal; }
     void prefetch(const Vec3f& objectPoint, int level);
 
     struct LevelView {
@@ -59,6 +60,7 @@ private:
 
     std::vector<LevelView> views_;
     Vec2f tile_;
+    Vec3f prefer_{0, 0, 0};
 };
 
 } // namespace stf

@@ -134,7 +134,7 @@ int ShellReader::addUpFrom(const LevelView& view, const Corners& c, int ref, con
             lane[i] = there ? lane[i] : c.sample[ref];
         }
     }
-    return addUp(view, tile_, lane, present, ref, f, out, weights);
+    return addUp(view, tile_, lane, present, ref, f, prefer_, out, weights);
 }
 
 bool ShellReader::lookup(const Vec3f& objectPoint, int levelNumber, ShellLookup& out, const Rgb* core) {
@@ -166,8 +166,8 @@ bool ShellReader::lookup(const Vec3f& objectPoint, int levelNumber, ShellLookup&
         }
     }
     float weights[8];
-    if (const int nearer = addUpFrom(view, c, ref, f, out, weights)) {
-        ref ^= nearer;
+    if (const int better = addUpFrom(view, c, ref, f, out, weights)) {
+        ref ^= better;
         addUpFrom(view, c, ref, f, out, weights);
     }
     const ShellSample& reference = *c.sample[ref];
@@ -209,6 +209,10 @@ struct ShellGrid::Accessor::Impl : ShellReader {
 ShellGrid::Accessor::Accessor(const ShellGrid& grid) : impl_(std::make_unique<Impl>(*grid.impl_)) {}
 ShellGrid::Accessor::~Accessor() = default;
 ShellGrid::Accessor::Accessor(Accessor&&) noexcept = default;
+
+void ShellGrid::Accessor::prefer(const Vec3f& normal) {
+    impl_->prefer(normal);
+}
 
 bool ShellGrid::Accessor::lookup(const Vec3f& objectPoint, ShellLookup& out, const Rgb* core, int level) {
     return impl_->lookup(objectPoint, level, out, core);

@@ -14,13 +14,13 @@ double unwrapped(double d, double tile) {
 
 } // namespace
 
-void measureLevel(const ShellGridData& grid, int level, const std::vector<ShellProbe>& probes, double texelMm,
+void measureLevel(const ShellGridData& grid, int level, const std::vector<ProbedPoint>& probes, double texelMm,
                   ShellLevelReport& report) {
     ShellReader reader(grid);
     const double voxelMm = report.voxel * grid.mmPerUnit;
     double exemplar = 0, depth = 0, angle = 0;
     std::size_t far = 0, near = 0, wrong = 0, other = 0, missing = 0;
-    for (const ShellProbe& p : probes) {
+    for (const ProbedPoint& p : probes) {
         ShellLookup found;
         if (!reader.lookup(Vec3f(p.point), level, found, nullptr)) {
             ++missing;

@@ -9,7 +9,7 @@
 namespace stf {
 
 /// Fills the errors of a level's report by looking up all probes at it.
-void measureLevel(const ShellGridData& grid, int level, const std::vector<ShellProbe>& probes, double texelMm,
+void measureLevel(const ShellGridData& grid, int level, const std::vector<ProbedPoint>& probes, double texelMm,
                   ShellLevelReport& report);
 
 } // namespace stf

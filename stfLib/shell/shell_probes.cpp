@@ -162,11 +162,11 @@ double distanceToSegment(const Vec3d& p, const Vec3d& a, const Vec3d& b) {
 
 } // namespace
 
-std::vector<ShellProbe> makeProbes(const ShellSource& source, const ShellEdges& edges, std::size_t count,
+std::vector<ProbedPoint> makeProbes(const ShellSource& source, const ShellEdges& edges, std::size_t count,
                                    double seamReach) {
     const std::vector<Vec3d> points = scatter(source, count);
     const std::vector<Found> found = locate(source, points, seamReach);
-    std::vector<ShellProbe> probes;
+    std::vector<ProbedPoint> probes;
     std::vector<Vec3d> feet;
     ShellPrism prism;
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -174,7 +174,7 @@ std::vector<ShellProbe> makeProbes(const ShellSource& source, const ShellEdges& 
         if (f.triangle < 0 || !prism.set(source.surface, source.boundary, std::size_t(f.triangle))) {
             continue; // rounding put it beside the shell
         }
-        ShellProbe p;
+        ProbedPoint p;
         p.point = points[i];
         p.exact = shellPoint(source, std::size_t(f.triangle), f.b1, f.b2, f.depth);
         p.seamDistance = seamReach;
@@ -196,7 +196,7 @@ std::vector<ShellProbe> makeProbes(const ShellSource& source, const ShellEdges& 
         Vec3d lo = a, hi = a;
         grow(b, lo, hi);
         cells.forEach(lo - Vec3d(seamReach), hi + Vec3d(seamReach), [&](std::size_t i) {
-            ShellProbe& probe = probes[i];
+            ProbedPoint& probe = probes[i];
             const double depth = probe.exact.depth / source.mmPerUnit;
             probe.seamDistance =
                 std::min(probe.seamDistance, distanceToSegment(probe.point, a + down[0] * depth, b + down[1] * depth));

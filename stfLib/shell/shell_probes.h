@@ -11,7 +11,7 @@
 namespace stf {
 
 /// A random point of a shell and the exact answer there: that of the prism whose surface is nearest.
-struct ShellProbe {
+struct ProbedPoint {
     Vec3d point;         ///< object space
     ShellPoint exact;    ///< by inversion of the prism
     double seamDistance; ///< from the wall below the nearest seam, object units; at most the search distance
@@ -19,7 +19,7 @@ struct ShellProbe {
 
 /// About `count` points, evenly over the shell's volume, with their exact answers; seams are looked for within
 /// `seamReach` (object units). The same for any number of threads.
-std::vector<ShellProbe> makeProbes(const ShellSource& source, const ShellEdges& edges, std::size_t count,
+std::vector<ProbedPoint> makeProbes(const ShellSource& source, const ShellEdges& edges, std::size_t count,
                                    double seamReach);
 
 } // namespace stf

@@ -91,9 +91,11 @@ MappingChoice chooseMapping(const std::string& mapping, const RefinedSurface& su
         return {Mapping::Synthesize, "mapping is synthesize"};
     }
     if (mapping == "blend" && !uniform) {
-        return volume.hasRelief()         ? MappingChoice{Mapping::Synthesize, "mapping is blend, but a relief cannot be blended"}
-               : !volume.emission.empty() ? MappingChoice{Mapping::Synthesize, "mapping is blend, but emission cannot be blended"}
-                                          : MappingChoice{Mapping::Blend, "mapping is blend"};
+        return volume.hasRelief()
+                   ? MappingChoice{Mapping::Synthesize, "mapping is blend, but a relief cannot be blended"}
+               : !volume.emission.empty()
+                   ? MappingChoice{Mapping::Synthesize, "mapping is blend, but emission cannot be blended"}
+                   : MappingChoice{Mapping::Blend, "mapping is blend"};
     }
     const std::string flaw = flawOfUvs(surface);
     if (mapping != "synthesize" && mapping != "blend" && flaw.empty()) {

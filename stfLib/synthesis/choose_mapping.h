@@ -20,8 +20,9 @@ struct MappingChoice {
 
 /// What `primvars:stf:mapping` (auto, uv, synthesize, blend) means for a surface and a sample. `auto` takes texture
 /// coordinates where they are usable: given, of an area, and neither collapsed nor stretched beyond use on more than a
-/// twentieth of the surface; else a sample that is random is blended, and any other synthesised. A sample that cannot be
-/// blended (a relief, emission) is synthesised although `blend` asks. Texture coordinates that were asked for by `uv` are taken as they are.
+/// twentieth of the surface; else a sample that is random is blended, and any other synthesised. A sample that cannot
+/// be blended (a relief, emission) is synthesised although `blend` asks. Texture coordinates that were asked for by
+/// `uv` are taken as they are.
 MappingChoice chooseMapping(const std::string& mapping, const RefinedSurface& surface, const BaseVolume& volume);
 
 /// Coordinates for a sample that is the same everywhere: each triangle has its own, isometric.

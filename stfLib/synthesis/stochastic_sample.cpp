@@ -83,8 +83,7 @@ Randomness judgeRandomness(const BaseVolume& v) {
         out.why = "there is too little to judge";
     } else {
         std::snprintf(text, sizeof text, "columns are %s (excess kurtosis %.2g)",
-                      out.stochastic ? "random" : "structured",
-                      out.excessKurtosis);
+                      out.stochastic ? "random" : "structured", out.excessKurtosis);
         out.why = text;
     }
     return out;

@@ -235,7 +235,7 @@ TEST_F(ShellStages, ABendingBodyKeepsItsSample) {
                 places.push_back({t, {b1, b2, 0.05f + 0.9f * rng.uniform()}});
             }
         }
-        ShellProbe probe(*shell->grid, shell->pose.get());
+        ShellProbe probe(*shell->grid, *shell->surface, shell->pose.get());
         for (std::size_t i = 0; i < places.size(); ++i) {
             const auto& [t, b] = places[i];
             const Vec3i& tri = s.triangles[t];

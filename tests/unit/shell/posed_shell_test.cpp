@@ -102,7 +102,7 @@ template<class Compare>
 Differences along(const Plate& p, const Bend& bend, const Compare& compare) {
     CounterRng rng(1, 2);
     Differences d;
-    ShellProbe probe(p.grid, p.pose.get());
+    ShellProbe probe(p.grid, *p.rest, p.pose.get());
     for (int ray = 0; ray < 400; ++ray) {
         const std::uint32_t t = std::uint32_t(double(rng.uniform()) * double(p.rest->triangles.size()));
         Vec3d entry;
@@ -188,7 +188,7 @@ INSTANTIATE_TEST_SUITE_P(Radii, BentPlate, testing::Values(20.0, 4.0, 1.0, 0.7, 
 TEST(PosedShell, AtRestNothingChanges) {
     const Bend bend{1e9};
     const Plate p = plate(bend, 0.1);
-    ShellProbe probe(p.grid, p.pose.get());
+    ShellProbe probe(p.grid, *p.rest, p.pose.get());
     ShellGrid::Accessor accessor(p.grid);
     CounterRng rng(3, 4);
     probe.enter(0);
@@ -208,7 +208,7 @@ TEST(PosedShell, AtRestNothingChanges) {
 TEST(PosedShell, OutsideThereIsNothing) {
     const Bend bend{4};
     const Plate p = plate(bend, 0.1);
-    ShellProbe probe(p.grid, p.pose.get());
+    ShellProbe probe(p.grid, *p.rest, p.pose.get());
     ShellLookup l{};
     probe.enter(10);
     EXPECT_FALSE(probe.lookup({0, 1, 5}, l)) << "above";

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stfLib/synthesis/choose_mapping.h"
 
+#include "stfLib/base/random.h"
 #include "tests/unit/synthesis/synthesis_fixture.h"
 
 #include <gtest/gtest.h>
@@ -48,6 +49,27 @@ TEST(ChooseMapping, AutoSynthesizesWithout) {
 TEST(ChooseMapping, WordsAreObeyed) {
     EXPECT_EQ(choose("synthesize", rectangle(1, 1, 2, 2)).mapping, Mapping::Synthesize);
     EXPECT_EQ(choose("uv", sphere(4)).mapping, Mapping::Uv); // which then says that there are none
+}
+
+TEST(ChooseMapping, RandomSamplesAreBlended) {
+    BaseVolume v = waves(64);
+    std::fill(v.albedo.begin(), v.albedo.end(), Rgb(0.9f));
+    CounterRng rng(1, 1);
+    for (Rgb& k : v.extinction) {
+        k = Rgb(0.5f + rng.uniform());
+    }
+    const MappingChoice random = choose("auto", sphere(4), v);
+    EXPECT_EQ(random.mapping, Mapping::Blend) << random.why;
+    EXPECT_NE(random.why.find("random"), std::string::npos);
+    EXPECT_EQ(choose("auto", rectangle(1, 1, 2, 2), v).mapping, Mapping::Uv);
+    EXPECT_EQ(choose("synthesize", sphere(4), v).mapping, Mapping::Synthesize);
+    EXPECT_EQ(choose("blend", rectangle(1, 1, 2, 2), v).mapping, Mapping::Blend);
+    EXPECT_EQ(choose("blend", sphere(4), waves(64)).mapping, Mapping::Blend); // asked for, ghosts and all
+    v.surface.assign(v.voxelCount(), -0.1f);
+    v.surface[0] = 0.1f;
+    const MappingChoice relief = choose("blend", sphere(4), v);
+    EXPECT_EQ(relief.mapping, Mapping::Synthesize);
+    EXPECT_NE(relief.why.find("relief"), std::string::npos);
 }
 
 TEST(ChooseMapping, AUniformSampleNeedsNoSynthesis) {
