@@ -197,6 +197,20 @@ ShellExit ReliefMarch::follow(Path path, Rgb& core) {
             return exit;
         }
         if (!top) {
+            // Where the shell is thinner than its relief is deep the core lies bare: it has an interface of its own.
+            // The tile's own bottom has none.
+            const Vec3f at = path.place.tilePosition(path.origin, perMm_, o.mmPerUnit);
+            if (!path.inside && path.place.known && at.z < float(o.medium->size().z - 1)) {
+                const Vec3f facet = normalize(hit.geometricNormal);
+                path.onTop = path.onCore = true;
+                if (!meet(path, path.place.at.normal, dot(facet, path.direction) > 0 ? -facet : facet,
+                          tile_.iorBelow(at))) {
+                    return exit;
+                }
+                if (!path.inside) {
+                    continue;
+                }
+            }
             if (path.place.known && !o.coreBlack) {
                 core += tile_.transmittance() * path.place.at.coreRadiance;
             }
@@ -236,7 +250,7 @@ ReliefRadiance ReliefMarch::march(const ReliefEntry& entry) {
         tile_.branch(mirrorWeight_);
         probe_.enter(entry.triangle);
         Rgb core(0.0f);
-        if (mirror_.onTop) {
+        if (mirror_.onTop && !mirror_.onCore) {
             // The limit surface itself mirrors: outside of the shell.
             out.mirror = {mirrorWeight_, mirror_.origin, normalize(entry.facet), mirror_.direction, 0};
         } else {

@@ -49,7 +49,8 @@ private:
         Vec3f origin, direction; ///< object space, unit
         float travelled = 0;     ///< up to the origin, object units
         bool inside = false;     ///< the material
-        bool onTop = false;      ///< the origin lies on the limit surface
+        bool onTop = false;      ///< the origin lies on a surface of the shell: the limit surface
+        bool onCore = false;     ///< or the inner boundary
         bool bent = false;       ///< `place` holds at the origin
         bool faint = false;      ///< roulette decides whether it meets another interface
         int meetings = 0;

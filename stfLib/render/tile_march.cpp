@@ -392,6 +392,14 @@ float TileMarch::iorAt(const Vec3f& position) const {
     return medium_.ior(shifted(position));
 }
 
+float TileMarch::iorBelow(const Vec3f& position) const {
+    Vec3f p = shifted(position);
+    while (p.z < float(medium_.size().z - 1) && !medium_.surface().inside(p)) {
+        p.z += 1;
+    }
+    return medium_.ior(p);
+}
+
 TileMarch::Segment TileMarch::segmentToRelief(Vec3f position, const Vec3f& perMm, float lengthMm, bool inside,
                                               ReliefMeeting& met, const Rgb& coreRadiance) {
     if (ended_) {

@@ -80,6 +80,8 @@ public:
     bool insideRelief(const Vec3f& position) const;
     /// Index of refraction at a position, as this path sees it.
     float iorAt(const Vec3f& position) const;
+    /// That of the first material below a position under a relief.
+    float iorBelow(const Vec3f& position) const;
     /// An interface changes what light from behind it counts by `factor`.
     void pass(float factor) { transmittance_ *= factor; }
     /// Goes on with another part of the same path, of which so much is left, in the same tile; what was collected so
