@@ -201,10 +201,14 @@ ShellExit ReliefMarch::follow(Path path, Rgb& core) {
             // The tile's own bottom has none.
             const Vec3f at = path.place.tilePosition(path.origin, perMm_, o.mmPerUnit);
             if (!path.inside && path.place.known && at.z < float(o.medium->size().z - 1)) {
+                // The limit surface's normal: facets of an inner boundary that is squeezed together glitter.
+                const Vec3f& limit = path.place.at.normal;
                 const Vec3f facet = normalize(hit.geometricNormal);
+                const Vec3f normal = dot(limit, path.direction) < 0   ? limit
+                                     : dot(facet, path.direction) < 0 ? facet
+                                                                      : -facet;
                 path.onTop = path.onCore = true;
-                if (!meet(path, path.place.at.normal, dot(facet, path.direction) > 0 ? -facet : facet,
-                          tile_.iorBelow(at))) {
+                if (!meet(path, normal, normal, tile_.iorBelow(at))) {
                     return exit;
                 }
                 if (!path.inside) {
