@@ -2,6 +2,7 @@
 #include "stfLib/render/integrator.h"
 
 #include "stfLib/render/core_light.h"
+#include "stfLib/render/surface_point.h"
 #include "stfLib/transport/tile_tracer.h"
 
 namespace stf {
@@ -11,6 +12,7 @@ namespace {
 constexpr int kMaxSurfaces = 64; // of transparent shells along one ray
 /// Of other lights on a shell: their visibility is averaged over a disc.
 constexpr int kNearDirections = 2;
+constexpr int kMaxShellLights = kMaxLightsPerPath * kDomeDirections + 1; // one of other surfaces
 
 /// A mirrored path whose throughput is below this takes part in surfaces only with the chance that makes up for it.
 constexpr float kFaint = 0.25f;
@@ -26,13 +28,12 @@ ShellMarch& Integrator::marchOf(const PreparedInstance& instance) {
     return *march;
 }
 
-ShellRadiance Integrator::shadeShell(const PreparedInstance& instance, const Surfel& surfel, const Vec3f& direction,
-                                     float footprintMm, bool indirect, PixelSampler& sampler) {
+int Integrator::lightsOnShell(const PreparedInstance& instance, const Surfel& surfel, bool indirect,
+                              PixelSampler& sampler, ShellLight* lights) {
     const ShellObject& shell = *instance.mesh->shell;
     const Vec3f objectNormal = normalize(Vec3f(instance.worldToObject.normal(Vec3d(surfel.normal))));
     const float offset = 1e-3f * shell.grid->voxelSize();
 
-    ShellLight lights[kMaxLightsPerPath * kDomeDirections + 1];
     int count = 0;
     const auto visible = [&](const Vec3f& point, const LightSample& light) {
         const Vec3f lifted(instance.objectToWorld.point(Vec3d(point + objectNormal * offset)));
@@ -70,9 +71,34 @@ ShellRadiance Integrator::shadeShell(const PreparedInstance& instance, const Sur
             lights[count++] = {towards, light.irradiance, light.irradiance};
         }
     }
+    return count;
+}
 
+ShellRadiance Integrator::shadeShell(const PreparedInstance& instance, const Surfel& surfel, const Vec3f& direction,
+                                     float footprintMm, bool indirect, PixelSampler& sampler) {
+    ShellLight lights[kMaxShellLights];
+    const int count = lightsOnShell(instance, surfel, indirect, sampler, lights);
     rays_.add(1);
     return marchOf(instance).march(surfel.objectPoint, surfel.triangle, direction, footprintMm, lights, count, sampler);
+}
+
+ReliefRadiance Integrator::shadeRelief(const PreparedInstance& instance, const Surfel& surfel, const RayHit& hit,
+                                       const Vec3f& direction, float footprintMm, bool indirect,
+                                       PixelSampler& sampler) {
+    ShellLight lights[kMaxShellLights];
+    const int count = lightsOnShell(instance, surfel, indirect, sampler, lights);
+    rays_.add(1);
+    const ReliefEntry entry{surfel.objectPoint, direction, normalize(smoothNormal(*instance.mesh->surface, hit)),
+                            hit.geometricNormal, surfel.triangle};
+    return marchOf(instance).marchRelief(entry, footprintMm, lights, count, sampler);
+}
+
+Ray Integrator::leaveRelief(const PreparedInstance& instance, const ShellExit& exit) const {
+    const Vec3f outward = normalize(Vec3f(instance.objectToWorld.normal(Vec3d(exit.outward))));
+    Ray ray;
+    ray.direction = normalize(Vec3f(instance.objectToWorld.vector(Vec3d(exit.direction))));
+    ray.origin = Vec3f(instance.objectToWorld.point(Vec3d(exit.point))) + outward * scene_.shadowOffset;
+    return ray;
 }
 
 Ray Integrator::leaveShell(const PreparedInstance& instance, const Surfel& entry, const Vec3f& direction,
@@ -164,47 +190,72 @@ PixelSample Integrator::sample(const Ray& first, const RayCone& cone, PixelSampl
         const float scale = length(scaled);
         Vec3f direction = scaled / scale;
 
-        // What is inside is seen through the surface: (1 - F) of it, and less by n^2, for the solid angle widens there
-        // (DESIGN 3.6). Rays into a relief keep their direction: their interface lies deeper.
-        const bool refracts = shell->medium->refracts(), bends = refracts && !shell->medium->hasSurface();
-        SurfaceCrossing in;
-        Rgb inner = throughput;
-        if (refracts) {
-            const float ior = marchOf(instance).iorAt(surfel.objectPoint, surfel.triangle);
-            in = crossSurface(direction, normalize(smoothNormal(*instance.mesh->surface, hit)), hit.geometricNormal,
-                              ior);
-            direction = bends && in.reflectance < 1 ? in.refracted : direction;
-            inner *= (1 - in.reflectance) / (ior * ior);
-        }
-        Rgb through(0.0f);
-        Ray onward = ray;
-        float moved = 0; // from the ray's origin to that of the next
-        if (maxComponent(inner) > 0) {
-            const float seenWide = cone.at(path.travelled + hit.t) + path.spread * hit.t;
-            const float footprint = seenWide * scale * shell->mmPerUnit;
-            const bool indirect = scene_.surfacesBounce && path.bounces < scene_.maxDepth;
-            const ShellRadiance r = shadeShell(instance, surfel, direction, footprint, indirect, sampler);
-            const Rgb single = inner * r.single, multiple = inner * r.multiple, core = inner * r.core;
+        const float footprint = (cone.at(path.travelled + hit.t) + path.spread * hit.t) * scale * shell->mmPerUnit;
+        const bool indirect = scene_.surfacesBounce && path.bounces < scene_.maxDepth;
+        const auto collect = [&](const Rgb& single, const Rgb& multiple, const Rgb& core) {
             add(single + multiple + core, path.bounced);
             if (path.seen()) {
                 out.single += single;
                 out.multiple += multiple;
                 out.core += core;
             }
-            through = throughput * r.transmittance * (1 - in.reflectance); // n^2 is undone where it leaves again
-            onward.tNear = (hit.t + r.tExit / scale) * (1 + 1e-6f) + scene_.shadowOffset;
-            if (bends && r.throughSurface && dot(direction, r.exit.geometricNormal) > 0 && maxComponent(through) > 0) {
-                float share = 1;
-                onward = leaveShell(instance, surfel, direction, r, share);
-                moved = hit.t + r.tExit / scale;
-                through *= share;
+        };
+        // Two ways lead on: through the shell and off its surface.
+        Rgb through(0.0f), reflected(0.0f);
+        Ray onward = ray, mirrorRay;
+        float moved = 0, mirrorMoved = hit.t; // from the ray's origin to that of the next
+        if (shell->medium->refracts() && shell->medium->hasSurface()) {
+            const ReliefRadiance r = shadeRelief(instance, surfel, hit, direction, footprint, indirect, sampler);
+            collect(throughput * r.single, throughput * r.multiple, throughput * r.core);
+            add(throughput * r.reflection, path.bounced);
+            out.reflection += path.seen() ? throughput * r.reflection : Rgb(0.0f);
+            through = throughput * r.through.weight;
+            if (maxComponent(through) > 0) {
+                onward = leaveRelief(instance, r.through);
+                moved = hit.t + r.through.travelled / scale;
+            }
+            reflected = throughput * r.mirror.weight;
+            if (maxComponent(reflected) > 0) {
+                mirrorRay = leaveRelief(instance, r.mirror);
+                mirrorMoved = hit.t + r.mirror.travelled / scale;
+            }
+        } else {
+            // What is inside is seen through the surface: (1 - F) of it, and less by n^2, for the solid angle widens
+            // there (DESIGN 3.6).
+            const bool refracts = shell->medium->refracts();
+            SurfaceCrossing in;
+            Rgb inner = throughput;
+            if (refracts) {
+                const float ior = marchOf(instance).iorAt(surfel.objectPoint, surfel.triangle);
+                in = crossSurface(direction, normalize(smoothNormal(*instance.mesh->surface, hit)), hit.geometricNormal,
+                                  ior);
+                direction = in.reflectance < 1 ? in.refracted : direction;
+                inner *= (1 - in.reflectance) / (ior * ior);
+            }
+            if (maxComponent(inner) > 0) {
+                const ShellRadiance r = shadeShell(instance, surfel, direction, footprint, indirect, sampler);
+                collect(inner * r.single, inner * r.multiple, inner * r.core);
+                through = throughput * r.transmittance * (1 - in.reflectance); // n^2 is undone where it leaves again
+                onward.tNear = (hit.t + r.tExit / scale) * (1 + 1e-6f) + scene_.shadowOffset;
+                if (refracts && r.throughSurface && dot(direction, r.exit.geometricNormal) > 0 &&
+                    maxComponent(through) > 0) {
+                    float share = 1;
+                    onward = leaveShell(instance, surfel, direction, r, share);
+                    moved = hit.t + r.tExit / scale;
+                    through *= share;
+                }
+            }
+            if (in.reflectance > 0) {
+                reflected = throughput * in.reflectance;
+                mirrorRay.direction = normalize(Vec3f(instance.objectToWorld.vector(Vec3d(in.reflected))));
+                mirrorRay.origin = Vec3f(instance.objectToWorld.point(Vec3d(surfel.shadowOrigin))) +
+                                   surfel.normal * scene_.shadowOffset;
             }
         }
         if (path.seen()) {
             out.alpha += average(throughput - through);
         }
-        // Two ways lead on; where both bring something, one is taken by its share.
-        const Rgb reflected = throughput * in.reflectance;
+        // Where both bring something, one is taken by its share.
         const float a = maxComponent(through), b = maxComponent(reflected);
         if (!(a + b > 0)) {
             return out;
@@ -214,11 +265,8 @@ PixelSample Integrator::sample(const Ray& first, const RayCone& cone, PixelSampl
         path.passShell();
         if (mirror) {
             path.mirror();
-            moved = hit.t;
-            onward = Ray();
-            onward.direction = normalize(Vec3f(instance.objectToWorld.vector(Vec3d(in.reflected))));
-            onward.origin =
-                Vec3f(instance.objectToWorld.point(Vec3d(surfel.shadowOrigin))) + surfel.normal * scene_.shadowOffset;
+            moved = mirrorMoved;
+            onward = mirrorRay;
         }
         ray = onward;
         path.travelled += moved;

@@ -25,13 +25,21 @@ public:
     std::uint64_t rays() const { return rays_.count(); }
 
 private:
-    /// `direction`: unit, object space, inside the shell; `footprintMm`: width of what the pixel sees there;
-    /// `indirect`: with light from plain surfaces.
+    /// Lights of a path that enters a shell, with their visibility; `lights` has room for kMaxShellLights. `indirect`:
+    /// with light from plain surfaces. How many.
+    int lightsOnShell(const PreparedInstance& instance, const Surfel& surfel, bool indirect, PixelSampler& sampler,
+                      ShellLight* lights);
+    /// `direction`: unit, object space, inside the shell; `footprintMm`: width of what the pixel sees there.
     ShellRadiance shadeShell(const PreparedInstance& instance, const Surfel& surfel, const Vec3f& direction,
                              float footprintMm, bool indirect, PixelSampler& sampler);
     /// The ray that leaves a refracting shell at the far side, and the share of light that comes in there.
     Ray leaveShell(const PreparedInstance& instance, const Surfel& entry, const Vec3f& direction,
                    const ShellRadiance& through, float& share);
+    /// `hit`: of the limit surface; `direction`: unit, object space, as the ray comes.
+    ReliefRadiance shadeRelief(const PreparedInstance& instance, const Surfel& surfel, const RayHit& hit,
+                               const Vec3f& direction, float footprintMm, bool indirect, PixelSampler& sampler);
+    /// The world ray that goes on where a path has left a shell.
+    Ray leaveRelief(const PreparedInstance& instance, const ShellExit& exit) const;
     ShellMarch& marchOf(const PreparedInstance& instance);
 
     const PreparedScene& scene_;

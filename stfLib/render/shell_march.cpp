@@ -5,18 +5,6 @@
 
 namespace stf {
 
-namespace {
-constexpr int kMaxLights = 16;
-}
-
-TileFrame::TileFrame(const ShellLookup& at) : normal_(at.normal) {
-    tangent_ = normalize(at.gradX - normal_ * dot(at.gradX, normal_));
-    bitangent_ = cross(normal_, tangent_);
-    if (dot(bitangent_, at.gradY) < 0) {
-        bitangent_ = -bitangent_;
-    }
-}
-
 Vec3f topOfTile(const ShellObject& object, const Vec2f& mm) {
     const Vec3d& voxel = object.medium->voxelMm();
     return {float(double(mm.x) / voxel.x), float(double(mm.y) / voxel.y), 0};
@@ -52,20 +40,15 @@ float ShellMarch::iorAt(const Vec3f& point, std::uint32_t triangle) {
     if (!probe_.lookup(point, at)) {
         return 1;
     }
-    const TileMedium& medium = *object_.medium;
-    Vec3f p = topOfTile(object_, at.exemplar);
-    if (medium.hasSurface()) { // what lies above a relief has no index of its own
-        const Vec3i& size = medium.size();
-        const std::size_t column = std::size_t(TileTracer::wrap(int(std::floor(p.x)), size.x)) +
-                                   std::size_t(size.x) * std::size_t(TileTracer::wrap(int(std::floor(p.y)), size.y));
-        const std::size_t layer = std::size_t(size.x) * std::size_t(size.y);
-        int z = 0;
-        while (z + 1 < size.z && !(medium.fill(column + layer * std::size_t(z)) > 0)) {
-            ++z;
-        }
-        p.z = float(z) + 0.5f;
-    }
-    return medium.ior(p);
+    return object_.medium->ior(topOfTile(object_, at.exemplar));
+}
+
+ReliefRadiance ShellMarch::marchRelief(const ReliefEntry& entry, float footprintMm, const ShellLight* lights,
+                                       int lightCount, PixelSampler& sampler) {
+    TileMarch& tile = tiles_.front(); // a relief has no coarser levels
+    tile.begin(sampler);
+    return ReliefMarch(object_, probe_, tile, core_, object_.grid->levelFor(footprintMm), lights, lightCount, sampler)
+        .march(entry);
 }
 
 ShellRadiance ShellMarch::march(const Vec3f& entry, std::uint32_t triangle, const Vec3f& direction, float footprintMm,
@@ -79,12 +62,7 @@ ShellRadiance ShellMarch::march(const Vec3f& entry, std::uint32_t triangle, cons
     const Vec3f perMm{float(1 / voxelMm.x), float(1 / voxelMm.y), float(1 / voxelMm.z)};
     const int level = o.grid->levelFor(footprintMm);
     const float step = o.grid->voxelSize(level);
-    lightCount = std::min(lightCount, kMaxLights);
-    MarchLight tileLights[kMaxLights];
-    for (int l = 0; l < lightCount; ++l) {
-        tileLights[l].forSingle = lights[l].forSingle;
-        tileLights[l].forMultiple = lights[l].forMultiple;
-    }
+    TileLights tileLights(lights, lightCount);
     tile.begin(sampler);
     probe_.enter(triangle);
 
@@ -99,50 +77,30 @@ ShellRadiance ShellMarch::march(const Vec3f& entry, std::uint32_t triangle, cons
     result.tExit = tEnd;
     result.throughSurface = bounded && result.exit.geometry == 0;
 
-    // The entry is the tile's top, whatever facets and interpolation make of it: in a dense medium a hundredth of a
-    // millimetre would show. The depth at which the first step would start is taken off all of them.
-    float entryDepth = 0;
-
-    ShellLookup at{};
-    bool known = false, goesOn = true;
+    ShellPlace place;
+    bool goesOn = true;
     for (float t0 = 0; t0 < tEnd && goesOn; t0 += step) {
         const float t1 = std::min(t0 + step, tEnd), middle = 0.5f * (t0 + t1);
         const Vec3f point = entry + direction * middle;
-        ShellLookup found;
-        if (probe_.lookup(point, found, core_, level)) {
-            at = found;
-            if (!known && t0 == 0) {
-                const float found0 = at.depth + dot(at.normal, direction) * o.mmPerUnit * middle;
-                // More than interpolation can be off by: the first lookup lies round a corner, below another face.
-                entryDepth = std::abs(found0) < 0.1f * step * o.mmPerUnit ? found0 : 0.0f;
+        if (place.find(probe_, point, core_, level)) {
+            if (!place.known && t0 == 0) {
+                place.enterHere(direction, middle, step, o.mmPerUnit);
             }
-            at.depth -= entryDepth;
-            known = true;
-        } else if (!known) {
+            place.known = true;
+        } else if (!place.known) {
             continue; // a sliver at the rim that the grid does not hold
         } else {
-            // Carry the last lookup on: first order is good over about one voxel.
-            at.exemplar = at.exemplar + Vec2f(dot(at.gradX, direction), dot(at.gradY, direction)) * step;
-            at.depth -= dot(at.normal, direction) * o.mmPerUnit * step;
+            place.carry(direction, step, o.mmPerUnit);
         }
         if (t1 < tEnd) { // its memory is there when this step is done
             probe_.prefetch(point + direction * step, level);
         }
-        const TileFrame frame(at);
-        for (int l = 0; l < lightCount; ++l) {
-            tileLights[l].towards = frame.toTile(lights[l].towards);
-        }
-        tile.setFrame(tileLights, lightCount, frame.toTile(-direction));
-        // Voxels per millimetre of the way, from gradients in millimetres per object unit.
-        const Vec3f tileDirection{dot(at.gradX, direction) * perMm.x / o.mmPerUnit,
-                                  dot(at.gradY, direction) * perMm.y / o.mmPerUnit,
-                                  -dot(at.normal, direction) * perMm.z};
-        const Vec3f tilePosition{at.exemplar.x * perMm.x, at.exemplar.y * perMm.y, at.depth * perMm.z};
+        tileLights.setFrame(place.at, direction, tile);
+        const TileLine line = place.lineAlong(direction, middle - t0, perMm, o.mmPerUnit);
         if (o.blend) {
-            tile.setBlend(blendAt(at, perMm));
+            tile.setBlend(blendAt(place.at, perMm));
         }
-        goesOn = tile.segment(tilePosition - tileDirection * ((middle - t0) * o.mmPerUnit), tileDirection,
-                              (t1 - t0) * o.mmPerUnit, at.coreRadiance);
+        goesOn = tile.segment(line.position, line.voxelsPerMm, (t1 - t0) * o.mmPerUnit, place.at.coreRadiance);
     }
     const TileRadiance collected = tile.finish();
     result.single = collected.single;
@@ -150,8 +108,8 @@ ShellRadiance ShellMarch::march(const Vec3f& entry, std::uint32_t triangle, cons
     result.transmittance = tile.transmittance();
     if (goesOn && bounded && !result.throughSurface) {
         result.reachedCore = true;
-        if (known && !o.coreBlack) {
-            result.core = result.transmittance * at.coreRadiance;
+        if (place.known && !o.coreBlack) {
+            result.core = result.transmittance * place.at.coreRadiance;
         }
         result.transmittance = Rgb(0.0f);
     }

@@ -1,17 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "stfLib/render/shell_object.h"
-#include "stfLib/render/tile_march.h"
+#include "stfLib/render/relief_march.h"
 
 namespace stf {
-
-/// One light direction of a camera path, object space, with the visibility already in it.
-struct ShellLight {
-    Vec3f towards;   ///< unit, outside
-    Rgb forSingle;   ///< perpendicular irradiance, exact visibility
-    Rgb forMultiple; ///< perpendicular irradiance, visibility averaged over the diffusion disc
-};
 
 /// Radiance inside the shell that a camera ray collects there, and what is left of it.
 struct ShellRadiance {
@@ -21,18 +13,6 @@ struct ShellRadiance {
     bool reachedCore = false;
     bool throughSurface = false; ///< the ray left through the surface at `exit`; else an open rim let it out
     RayHit exit;
-};
-
-/// The frame that the exemplar has at a lookup: tangent, bitangent, normal of the smooth limit surface. Mirrored
-/// coordinates flip the bitangent, as the tile itself is flipped.
-class TileFrame {
-public:
-    explicit TileFrame(const ShellLookup& at);
-    /// A direction of object space in the frame.
-    Vec3f toTile(const Vec3f& d) const { return {dot(d, tangent_), dot(d, bitangent_), dot(d, normal_)}; }
-
-private:
-    Vec3f tangent_, bitangent_, normal_;
 };
 
 /// Marches object-space rays through one shell: follows the grid's exemplar coordinates and hands straight pieces, one
@@ -49,8 +29,12 @@ public:
     ShellRadiance march(const Vec3f& entry, std::uint32_t triangle, const Vec3f& direction, float footprintMm,
                         const ShellLight* lights, int lightCount, PixelSampler& sampler);
 
-    /// Index of refraction of the material at, or first below, a point of a triangle of the surface; 1 where the grid
-    /// has none.
+    /// The same where a relief refracts: split there, and followed until it leaves.
+    ReliefRadiance marchRelief(const ReliefEntry& entry, float footprintMm, const ShellLight* lights, int lightCount,
+                               PixelSampler& sampler);
+
+    /// Index of refraction of a flat shell's material at a point of a triangle of the surface; 1 where the grid has
+    /// none.
     float iorAt(const Vec3f& surfacePoint, std::uint32_t triangle);
 
 private:

@@ -243,14 +243,11 @@ void ShellMaterials::addTransport(const StfBinding& binding, const ShellStage& s
                timer.seconds());
     if (!o.medium->refracts()) {
         stage.note("fresnel", false, "index 1", 0);
-    } else if (!o.medium->hasSurface()) {
-        stage.note("fresnel", true, "flat top", 0);
     } else {
-        const char* const straight =
-            "camera rays enter the relief straight on, with the Fresnel factors of the limit surface";
-        stage.note("fresnel", true, straight, 0);
-        report(stage.messages, Severity::Warning,
-               std::string("this version does not refract at the relief: ") + straight);
+        stage.note("fresnel", true,
+                   o.medium->hasSurface() ? "at the relief's surface, and at the top where the relief reaches it"
+                                          : "flat top",
+                   0);
     }
 }
 

@@ -1,29 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stfLib/render/surfel.h"
 
+#include "stfLib/render/surface_point.h"
+
 namespace stf {
 
 namespace {
 
 const Rgb kDefaultColor(0.5f);
 
-template<class T>
-T blend(const std::vector<T>& v, const Vec3i& t, float u, float w) {
-    return v[std::size_t(t.x)] * (1 - u - w) + v[std::size_t(t.y)] * u + v[std::size_t(t.z)] * w;
-}
-
 } // namespace
 
-Vec3f smoothNormal(const RefinedSurface& s, const RayHit& hit) {
-    if (!s.cornerNormals.empty()) {
-        const int c = int(3 * hit.triangle);
-        return blend(s.cornerNormals, {c, c + 1, c + 2}, hit.u, hit.v);
-    }
-    return blend(s.normals, s.triangles[hit.triangle], hit.u, hit.v);
-}
-
 Vec2f uvAt(const RefinedSurface& s, const RayHit& hit) {
-    return s.uvTriangles.empty() ? Vec2f() : blend(s.uvs, s.uvTriangles[hit.triangle], hit.u, hit.v);
+    return s.uvTriangles.empty() ? Vec2f() : betweenCorners(s.uvs, s.uvTriangles[hit.triangle], hit.u, hit.v);
 }
 
 Vec3f uvTangent(const RefinedSurface& s, std::uint32_t triangle, bool& mirrored) {
@@ -43,7 +32,7 @@ Vec3f uvTangent(const RefinedSurface& s, std::uint32_t triangle, bool& mirrored)
 Surfel surfelAt(const PreparedInstance& instance, const Ray& ray, const RayHit& hit) {
     const RefinedSurface& s = *instance.mesh->surface;
     const Vec3i& t = s.triangles[hit.triangle];
-    const Vec3f p = blend(s.points, t, hit.u, hit.v);
+    const Vec3f p = betweenCorners(s.points, t, hit.u, hit.v);
     // Shadow rays start from the smooth surface, else facets show at the terminator (Hanika 2021, "Hacking the shadow
     // terminator", Ray Tracing Gems II): the mean of the projections onto the corners' tangent planes.
     Vec3f lifted = p;
@@ -58,7 +47,7 @@ Surfel surfelAt(const PreparedInstance& instance, const Ray& ray, const RayHit& 
     out.normal = normalize(Vec3f(instance.objectToWorld.normal(Vec3d(smoothNormal(s, hit)))));
     out.objectPoint = p;
     out.shadowOrigin = lifted;
-    out.albedo = s.colors.empty() ? kDefaultColor : blend(s.colors, t, hit.u, hit.v);
+    out.albedo = s.colors.empty() ? kDefaultColor : betweenCorners(s.colors, t, hit.u, hit.v);
     return out;
 }
 

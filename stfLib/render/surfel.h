@@ -16,9 +16,6 @@ struct Surfel {
 
 Surfel surfelAt(const PreparedInstance& instance, const Ray& ray, const RayHit& hit);
 
-/// Normal of the smooth surface, object space, not normalised.
-Vec3f smoothNormal(const RefinedSurface& surface, const RayHit& hit);
-
 /// Texture coordinates; (0, 0) on a mesh without.
 Vec2f uvAt(const RefinedSurface& surface, const RayHit& hit);
 

@@ -293,86 +293,162 @@ Rgb TileMarch::storedSingle(std::size_t item, float g) const {
     return radiance;
 }
 
+// One stretch of a straight piece within a voxel of the material. False once roulette has ended the path.
+bool TileMarch::step(int index, const Vec3f& position, const Vec3f& perMm, float a, float b, const Rgb& coreRadiance) {
+    const bool emits = medium_.emits(), candidates = wantsSingle_ && !single_;
+    const bool field = multiple_ || emitted_ || backlight_, grey = medium_.greyExtinction();
+    const float h = b - a;
+    TileMedium::Voxel blended;
+    if (blend_) {
+        const Vec3f middle = position + perMm * (0.5f * (a + b));
+        const std::size_t columns = std::size_t(medium_.size().x) * std::size_t(medium_.size().y);
+        blended = blend_->voxel(columnsAt(middle, place_), place_, int(std::size_t(index) / columns));
+    }
+    const TileMedium::Voxel& m = blend_ ? blended : medium_.voxel(std::size_t(index));
+    if (!(maxComponent(m.extinction) > 0)) {
+        if (emits) {
+            sum_.multiple += transmittance_ * medium_.emission(std::size_t(index)) * h;
+        }
+        return true;
+    }
+    const StepWeightsRgb w = stepWeights(m.extinction * h);
+    const Rgb seen = transmittance_ * w.phi1 * h;
+    if (emits) {
+        sum_.multiple += seen * medium_.emission(std::size_t(index));
+    }
+    const Rgb scattered = seen * m.scattering;
+    if (maxComponent(scattered) > 0) {
+        if (field || single_) {
+            const float x = grey ? m.extinction.x * h : average(m.extinction) * h;
+            const float middle = stepCentroid(x, grey ? w.transmittance.x : std::exp(-x));
+            std::size_t item = 0;
+            FieldValue v = fieldAt(position + perMm * (a + middle * h), m, item, coreRadiance);
+            if (m.gScaled != 0) {
+                v.fluence += v.fluxAlong * (3 * m.gScaled);
+            }
+            sum_.multiple += scattered * v.fluence * (m.keep / (4 * kPi));
+            if (single_ && wantsSingle_) {
+                sum_.single += scattered * storedSingle(item, m.g);
+            }
+        }
+        if (candidates) {
+            // Weighted reservoir of one (Chao 1982): in the end each step was chosen with probability weight / sum.
+            const float weight = average(scattered);
+            weightSum_ += weight;
+            if (pick_.x * weightSum_ < weight) {
+                pick_.x = pick_.x * weightSum_ / weight; // uniform again
+                chosen_ = {transmittance_, position + perMm * a, perMm, h, weight, m, place_};
+                chosenHere_ = true;
+            } else {
+                pick_.x = (pick_.x * weightSum_ - weight) / std::max(weightSum_ - weight, 1e-30f);
+            }
+            pick_.x = std::clamp(pick_.x, 0.0f, 0.99999994f);
+        }
+    }
+
+    transmittance_ *= w.transmittance;
+    if (maxComponent(transmittance_) < kRouletteBelow) {
+        // Unbiased: survivors carry the weight of those that end here.
+        if (pick_.y < 0.25f) {
+            pick_.y *= 4;
+            transmittance_ *= 4.0f;
+        } else {
+            pick_.y = (pick_.y - 0.25f) / 0.75f; // uniform again
+            transmittance_ = Rgb(0.0f);
+            ended_ = true;
+            return false;
+        }
+    }
+    return true;
+}
+
+Vec3f TileMarch::openSegment(const Vec3f& position, const Rgb& coreRadiance) {
+    if (!backlightOpen_ && maxComponent(coreRadiance) > 0) {
+        openBacklight();
+    }
+    return shifted(position);
+}
+
+// Facets and interpolation may start a ray a hair outside of the tile.
+Vec3f TileMarch::shifted(const Vec3f& p) const {
+    return {p.x + shift_.x, p.y + shift_.y, std::clamp(p.z, 0.0f, float(medium_.size().z))};
+}
+
 bool TileMarch::segment(Vec3f position, const Vec3f& perMm, float lengthMm, const Rgb& coreRadiance) {
     if (ended_) {
         return false;
     }
-    if (!backlightOpen_ && maxComponent(coreRadiance) > 0) {
-        openBacklight();
+    position = openSegment(position, coreRadiance);
+    medium_.traverse(position, perMm, lengthMm,
+                     [&](int index, float a, float b) { return step(index, position, perMm, a, b, coreRadiance); });
+    return !ended_;
+}
+
+bool TileMarch::insideRelief(const Vec3f& position) const {
+    return !medium_.hasSurface() || medium_.surface().inside(shifted(position));
+}
+
+float TileMarch::iorAt(const Vec3f& position) const {
+    return medium_.ior(shifted(position));
+}
+
+float TileMarch::iorBelow(const Vec3f& position) const {
+    Vec3f p = shifted(position);
+    while (p.z < float(medium_.size().z - 1) && !medium_.surface().inside(p)) {
+        p.z += 1;
     }
-    position.x += shift_.x;
-    position.y += shift_.y;
-    // Facets and interpolation may start a ray a hair outside of the tile.
-    position.z = std::clamp(position.z, 0.0f, float(medium_.size().z));
-    const bool emits = medium_.emits(), candidates = wantsSingle_ && !single_;
-    const bool field = multiple_ || emitted_ || backlight_, grey = medium_.greyExtinction();
+    return medium_.ior(p);
+}
 
-    medium_.traverse(position, perMm, lengthMm, [&](int index, float a, float b) {
-        const float h = b - a;
-        TileMedium::Voxel blended;
-        if (blend_) {
-            const Vec3f middle = position + perMm * (0.5f * (a + b));
-            const std::size_t columns = std::size_t(medium_.size().x) * std::size_t(medium_.size().y);
-            blended = blend_->voxel(columnsAt(middle, place_), place_, int(std::size_t(index) / columns));
-        }
-        const TileMedium::Voxel& m = blend_ ? blended : medium_.voxel(std::size_t(index));
-        if (!(maxComponent(m.extinction) > 0)) {
-            if (emits) {
-                sum_.multiple += transmittance_ * medium_.emission(std::size_t(index)) * h;
+TileMarch::Segment TileMarch::segmentToRelief(Vec3f position, const Vec3f& perMm, float lengthMm, bool inside,
+                                              ReliefMeeting& met, const Rgb& coreRadiance) {
+    if (ended_) {
+        return Segment::Ended;
+    }
+    position = openSegment(position, coreRadiance);
+    const SurfaceField& surface = medium_.surface();
+    const auto normalAt = [&](const Vec3f& p) { return surface.normal(p); }; // z inward, as `perMm`
+    const Vec3f mm(medium_.voxelMm());
+    const Vec3f direction{perMm.x * mm.x, perMm.y * mm.y, perMm.z * mm.z};
+    Segment result = Segment::Passed;
+    TileTracer(medium_.size())
+        .traverse(position, perMm, lengthMm, [&](int index, int x, int y, int z, float a, float b) {
+            float end = b;
+            bool meets = false;
+            if (surface.crossedBySurface(std::size_t(index))) {
+                const float t = surface.crossing({x, y, z}, position, perMm, a, b, inside);
+                meets = t <= b;
+                end = meets ? std::max(t, a) : b;
+            } else if (surface.insideVoxel(std::size_t(index)) != inside) {
+                // Between two pieces it was carried across. On its way back it has nothing to pass.
+                const float along = dot(direction, normalAt(position + perMm * a));
+                meets = inside ? along > 0 : along < 0;
+                end = meets ? a : b;
             }
-            return true;
-        }
-        const StepWeightsRgb w = stepWeights(m.extinction * h);
-        const Rgb seen = transmittance_ * w.phi1 * h;
-        if (emits) {
-            sum_.multiple += seen * medium_.emission(std::size_t(index));
-        }
-        const Rgb scattered = seen * m.scattering;
-        if (maxComponent(scattered) > 0) {
-            if (field || single_) {
-                const float x = grey ? m.extinction.x * h : average(m.extinction) * h;
-                const float middle = stepCentroid(x, grey ? w.transmittance.x : std::exp(-x));
-                std::size_t item = 0;
-                FieldValue v = fieldAt(position + perMm * (a + middle * h), m, item, coreRadiance);
-                if (m.gScaled != 0) {
-                    v.fluence += v.fluxAlong * (3 * m.gScaled);
-                }
-                sum_.multiple += scattered * v.fluence * (m.keep / (4 * kPi));
-                if (single_ && wantsSingle_) {
-                    sum_.single += scattered * storedSingle(item, m.g);
-                }
-            }
-            if (candidates) {
-                // Weighted reservoir of one (Chao 1982): in the end each step was chosen with probability weight / sum.
-                const float weight = average(scattered);
-                weightSum_ += weight;
-                if (pick_.x * weightSum_ < weight) {
-                    pick_.x = pick_.x * weightSum_ / weight; // uniform again
-                    chosen_ = {transmittance_, position + perMm * a, perMm, h, weight, m, place_};
-                    chosenHere_ = true;
-                } else {
-                    pick_.x = (pick_.x * weightSum_ - weight) / std::max(weightSum_ - weight, 1e-30f);
-                }
-                pick_.x = std::clamp(pick_.x, 0.0f, 0.99999994f);
-            }
-        }
-
-        transmittance_ *= w.transmittance;
-        if (maxComponent(transmittance_) < kRouletteBelow) {
-            // Unbiased: survivors carry the weight of those that end here.
-            if (pick_.y < 0.25f) {
-                pick_.y *= 4;
-                transmittance_ *= 4.0f;
-            } else {
-                pick_.y = (pick_.y - 0.25f) / 0.75f; // uniform again
-                transmittance_ = Rgb(0.0f);
-                ended_ = true;
+            if (inside && end > a && !step(index, position, perMm, a, end, coreRadiance)) {
+                result = Segment::Ended;
                 return false;
             }
-        }
-        return true;
-    });
-    return !ended_;
+            if (!meets) {
+                return true;
+            }
+            const Vec3f at = position + perMm * end, facet = normalAt(at), smooth = surface.smoothNormal(at);
+            met.atMm = end;
+            met.facet = {facet.x, facet.y, -facet.z};
+            met.normal = {smooth.x, smooth.y, -smooth.z};
+            met.ior = medium_.ior(at - facet * 0.5f); // of the material, half a voxel inside, as for walks
+            result = Segment::Met;
+            return false;
+        });
+    return result;
+}
+
+void TileMarch::branch(const Rgb& transmittance) {
+    transmittance_ = transmittance;
+    sum_ = {};
+    chosen_ = {};
+    weightSum_ = 0;
+    ended_ = chosenHere_ = false;
 }
 
 // Of the chosen step: a blend is the same all the way.

@@ -23,6 +23,14 @@ struct TileRadiance {
     Rgb single{0.0f}, multiple{0.0f};
 };
 
+/// Where a straight piece meets the surface of a relief.
+struct ReliefMeeting {
+    float atMm = 0;        ///< of the piece
+    Vec3f facet{0, 0, 1};  ///< unit normal of the field that walks refract at, out of the material; tile frame, mm
+    Vec3f normal{0, 0, 1}; ///< the same without the field's creases
+    float ior = 1;         ///< of the material there
+};
+
 /// Marches straight pieces through a tile (DESIGN 3.3, 3.8):
 ///   L = INT Tr [ kappa a SUM_l f_HG(w_l, w) I_0 I_s + kappa' a' (I + 3 g' F.w) / 4 pi + emission ] ds
 /// with I, F the fluence and net flux of the table: I_m of the lights, I_b of the core and of the emission; kappa'
@@ -59,6 +67,27 @@ public:
     /// per mm. `coreRadiance` is what leaves the core below. False once roulette has ended the path.
     bool segment(Vec3f position, const Vec3f& voxelsPerMm, float lengthMm, const Rgb& coreRadiance = Rgb(0.0f));
 
+    enum class Segment {
+        Passed, ///< to its end
+        Met,    ///< the relief: the rest has another direction
+        Ended   ///< by roulette
+    };
+    /// The same under a refracting relief, for a path that is `inside` the material or not: ends where the path meets
+    /// the surface, and what lies outside of it counts nothing. Sub-voxel, the surface of the walks.
+    Segment segmentToRelief(Vec3f position, const Vec3f& voxelsPerMm, float lengthMm, bool inside, ReliefMeeting& met,
+                            const Rgb& coreRadiance = Rgb(0.0f));
+    /// Whether a position lies in the material, as this path sees it; always without a relief.
+    bool insideRelief(const Vec3f& position) const;
+    /// Index of refraction at a position, as this path sees it.
+    float iorAt(const Vec3f& position) const;
+    /// That of the first material below a position under a relief.
+    float iorBelow(const Vec3f& position) const;
+    /// An interface changes what light from behind it counts by `factor`.
+    void pass(float factor) { transmittance_ *= factor; }
+    /// Goes on with another part of the same path, of which so much is left, in the same tile; what was collected so
+    /// far is forgotten (`finish` first).
+    void branch(const Rgb& transmittance);
+
     /// What is left of light that comes the other way through all segments so far; zero after roulette ended the path.
     const Rgb& transmittance() const { return transmittance_; }
     /// All that was collected since `begin`.
@@ -81,6 +110,9 @@ private:
     // A light of a refracting relief, folded for three axes: its fluence and the three components of its flux.
     using AxisLight = std::array<FoldedLight, 3>;
 
+    bool step(int index, const Vec3f& position, const Vec3f& perMm, float a, float b, const Rgb& coreRadiance);
+    Vec3f openSegment(const Vec3f& position, const Rgb& coreRadiance);
+    Vec3f shifted(const Vec3f& position) const;
     void foldFrame();
     void foldOne(const FactoredField* field, FoldedLight& light) const;
     void openBacklight();

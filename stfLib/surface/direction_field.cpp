@@ -124,4 +124,14 @@ std::vector<Singularity> singularities(const SurfaceGraph& graph, const std::vec
     return found;
 }
 
+std::vector<char> singularVertices(const SurfaceGraph& graph, const std::vector<Singularity>& list) {
+    std::vector<char> singular(graph.size(), 0);
+    for (const Singularity& p : list) {
+        for (int c = 0; c < 3; ++c) {
+            singular[std::size_t(graph.triangles[std::size_t(p.triangle)][c])] = 1;
+        }
+    }
+    return singular;
+}
+
 } // namespace stf

@@ -25,6 +25,8 @@ struct Singularity {
     int index;
 };
 std::vector<Singularity> singularities(const SurfaceGraph& graph, const std::vector<Vec3f>& directions);
+/// Per vertex of the graph: 1 at the corners of singular triangles.
+std::vector<char> singularVertices(const SurfaceGraph& graph, const std::vector<Singularity>& singularities);
 
 /// The tangent `direction` of the plane with unit normal `from`, carried to that with `to` by the least rotation.
 Vec3d carryTangent(const Vec3d& direction, const Vec3d& from, const Vec3d& to);

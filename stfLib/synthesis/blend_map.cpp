@@ -211,12 +211,7 @@ BlendMap blendMap(const RefinedSurface& surface, const Vec2d& tileMm, double mmP
     }
     const SurfaceGraph graph = surfaceGraph(surface);
     const std::vector<Vec3f> directions = smoothDirections(graph, {}, progress);
-    std::vector<char> singular(graph.size(), 0);
-    for (const Singularity& p : singularities(graph, directions)) {
-        for (int c = 0; c < 3; ++c) {
-            singular[std::size_t(graph.triangles[std::size_t(p.triangle)][c])] = 1;
-        }
-    }
+    const std::vector<char> singular = singularVertices(graph, singularities(graph, directions));
     SurfaceSteps steps = surfaceSteps(graph, directions, mmPerUnit);
     ChartOptions options;
     options.spacingMm = kSpacing * std::min(tileMm.x, tileMm.y);

@@ -135,12 +135,7 @@ Synthesis synthesize(const RefinedSurface& surface, const BaseVolume& volume, do
     times.done("directions");
 
     s.steps = surfaceSteps(s.graph, s.directions, mmPerUnit);
-    std::vector<char> singular(s.graph.size(), 0);
-    for (const Singularity& p : s.singularities) {
-        for (int c = 0; c < 3; ++c) {
-            singular[std::size_t(s.graph.triangles[std::size_t(p.triangle)][c])] = 1;
-        }
-    }
+    const std::vector<char> singular = singularVertices(s.graph, s.singularities);
     const Vec2d tile = s.exemplar.tileMm();
     const double texel = std::max(s.exemplar.texelMm.x, s.exemplar.texelMm.y);
     ChartOptions charts;

@@ -123,6 +123,17 @@ Vec3f SurfaceField::normal(const Vec3f& p) const {
     return l > 0 ? gradient / l : Vec3f(0, 0, -1);
 }
 
+Vec3f SurfaceField::smoothNormal(const Vec3f& p) const {
+    Vec3f gradient;
+    for (int a = 0; a < 3; ++a) {
+        Vec3f lo = p, hi = p;
+        lo[a] -= 0.5f, hi[a] += 0.5f;
+        gradient[a] = (value(hi) - value(lo)) / float(voxelMm_[a]);
+    }
+    const float l = length(gradient);
+    return l > 0 ? gradient / l : normal(p);
+}
+
 float SurfaceField::crossing(const Vec3i& voxel, const Vec3f& p, const Vec3f& d, float t0, float t1,
                              bool inside) const {
     // From here on the voxel is [-0.5, 0.5]^3: within it the interpolant changes its polynomial where a coordinate is

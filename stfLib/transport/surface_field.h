@@ -25,6 +25,8 @@ public:
     float value(const Vec3f& position) const;
     /// Unit normal in mm space, pointing out of the material.
     Vec3f normal(const Vec3f& position) const;
+    /// The same over a voxel's width: continuous, where `normal` has creases between the middles of voxels.
+    Vec3f smoothNormal(const Vec3f& position) const;
     bool inside(const Vec3f& position) const { return value(position) < 0; }
 
     /// First t in (t0, t1] of the line where a walker that is `inside` (or not) passes to the other side; infinity

@@ -43,7 +43,10 @@ BaseVolume makeSample(const std::string& name, const SampleOptions& options) {
     std::string known;
     for (const Sample& s : samples()) {
         if (s.info.name == name) {
-            const BaseVolume v = s.make(options);
+            BaseVolume v = s.make(options);
+            if (options.ior != 0) {
+                v.ior.assign(v.voxelCount(), float(options.ior));
+            }
             validate(v);
             return v;
         }

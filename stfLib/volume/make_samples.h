@@ -16,6 +16,7 @@ struct SampleOptions {
     Rgb extinction{1.0f}; ///< of "uniform"
     Rgb albedo{0.9f};     ///< of "uniform" and "random"
     float g = 0;          ///< of both
+    double ior = 0;       ///< of all material, relative to outside; 0: the sample's own
     double ratio = 100;   ///< of "random": largest extinction over smallest
     double tau = 10;      ///< of "random": mean optical depth from top to bottom
 };

@@ -37,11 +37,22 @@ TEST(Settings, ValuesOutOfRangeAreBroughtInOrRefused) {
 TEST(Settings, EnvironmentChangesDefaults) {
     setenv("HDSTF_SAMPLES", "7", 1);
     setenv("HDSTF_QUALITY", "nonsense", 1);
+    setenv("HDSTF_ERROR_TARGET", "-1", 1);
     const HdRenderSettingDescriptorList list = HdStfMakeSettingDescriptors();
     unsetenv("HDSTF_SAMPLES");
     unsetenv("HDSTF_QUALITY");
-    EXPECT_EQ(list[0].defaultValue, VtValue(7));
-    EXPECT_EQ(list[2].defaultValue, VtValue(0.02f));
+    unsetenv("HDSTF_ERROR_TARGET");
+    const auto of = [&list](char const* key) {
+        for (HdRenderSettingDescriptor const& descriptor : list) {
+            if (descriptor.key == key) {
+                return descriptor.defaultValue;
+            }
+        }
+        return VtValue();
+    };
+    EXPECT_EQ(of("stf:samples"), VtValue(7));
+    EXPECT_EQ(of("stf:quality"), VtValue(0.02f));
+    EXPECT_EQ(of("stf:errorTarget"), VtValue(0.0f));
 }
 
 TEST(Settings, SettingsAtCreationAreNormalized) {

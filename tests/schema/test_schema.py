@@ -21,7 +21,7 @@ PROPERTIES = {
     "baseVolume": ("asset", None, "constant", None),
     "thickness": ("float", 0.0, "constant", None),
     "scale": ("float", 1.0, "constant", None),
-    "mapping": ("token", "auto", "constant", ["auto", "uv", "synthesize"]),
+    "mapping": ("token", "auto", "constant", ["auto", "uv", "synthesize", "blend"]),
     "coreMaterial": ("token", None, "constant", None),
     "coreSigmaA": ("color3f", None, "constant", None),
     "coreSigmaSPrime": ("color3f", None, "constant", None),

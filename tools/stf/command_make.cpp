@@ -68,6 +68,7 @@ void addMakeCommand(CLI::App& app) {
         ->delimiter(',')
         ->expected(1, 3);
     command->add_option("--g", a->options.g, "uniform, random: mean cosine of the phase function");
+    command->add_option("--ior", a->options.ior, "Index of refraction of all material, instead of the sample's own");
     command->add_option("--ratio", a->options.ratio, "random: largest extinction over smallest");
     command->add_option("--tau", a->options.tau, "random: mean optical depth from top to bottom");
     command->add_flag("--json", a->json, "Print a line of JSON");

@@ -59,23 +59,10 @@ void run(const Arguments& a) {
     const MessageSink messages = [](Severity, const std::string& t) { std::fprintf(stderr, "%s\n", t.c_str()); };
     const MessageSink ofMesh = [&](Severity s, const std::string& t) { messages(s, a.mesh + ": " + t); };
     const BaseVolume volume = readBaseVolume(a.volume, messages);
-    ControlMesh mesh = readControlMesh(a.mesh, a.scheme, messages);
+    ShellRun run;
+    Stages stages(run);
+    RefinedSurface surface = readRefinedSurface(a.mesh, a.scheme, messages);
     try {
-        ShellRun run;
-        Stages stages(run);
-        const std::string repairs = sanitize(mesh).summary();
-        if (!repairs.empty()) {
-            ofMesh(Severity::Warning, repairs);
-        }
-        RefineOptions refineOptions;
-        Box3f box;
-        for (const Vec3f& p : mesh.points) {
-            box.add(p);
-        }
-        if (mesh.scheme != ControlMesh::Scheme::None) {
-            refineOptions.targetEdge = box.diagonal() / 150;
-        }
-        RefinedSurface surface = refine(mesh, refineOptions, ofMesh);
         const Vec3d extent = volume.extentMm();
         const double texel = std::min(volume.voxelMm.x, volume.voxelMm.y);
         run.mmPerUnit = a.mmPerUnit > 0
@@ -121,7 +108,7 @@ void run(const Arguments& a) {
         std::fputs(a.json ? (shellJson(grid, boundary, run) + "\n").c_str() : shellText(grid, boundary, run).c_str(),
                    stdout);
     } catch (const Error& e) {
-        throw Error(std::string(e.what()).rfind(a.mesh, 0) == 0 ? e.what() : a.mesh + ": " + e.what());
+        throw Error(a.mesh + ": " + e.what());
     }
 }
 

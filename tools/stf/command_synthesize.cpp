@@ -31,21 +31,8 @@ void run(const Arguments& a) {
     const MessageSink messages = [](Severity, const std::string& t) { std::fprintf(stderr, "%s\n", t.c_str()); };
     const MessageSink ofMesh = [&](Severity s, const std::string& t) { messages(s, a.mesh + ": " + t); };
     const BaseVolume volume = readBaseVolume(a.volume, messages);
-    ControlMesh mesh = readControlMesh(a.mesh, a.scheme, messages);
+    RefinedSurface surface = readRefinedSurface(a.mesh, a.scheme, messages);
     try {
-        const std::string repairs = sanitize(mesh).summary();
-        if (!repairs.empty()) {
-            ofMesh(Severity::Warning, repairs);
-        }
-        RefineOptions refineOptions;
-        Box3f box;
-        for (const Vec3f& p : mesh.points) {
-            box.add(p);
-        }
-        if (mesh.scheme != ControlMesh::Scheme::None) {
-            refineOptions.targetEdge = box.diagonal() / 150;
-        }
-        RefinedSurface surface = refine(mesh, refineOptions, ofMesh);
         const double texel = std::max(volume.voxelMm.x, volume.voxelMm.y);
         const double area = surfaceArea(surface);
         const double wanted = a.samples > 0 ? a.samples : kDefaultSamples;
@@ -78,7 +65,7 @@ void run(const Arguments& a) {
         }
         std::fputs(a.json ? (json + "\n").c_str() : synthesisText(synthesis, quality).c_str(), stdout);
     } catch (const Error& e) {
-        throw Error(std::string(e.what()).rfind(a.mesh, 0) == 0 ? e.what() : a.mesh + ": " + e.what());
+        throw Error(a.mesh + ": " + e.what());
     }
 }
 

@@ -39,6 +39,28 @@ ControlMesh readControlMesh(const std::string& path, const std::string& scheme, 
     return mesh;
 }
 
+RefinedSurface readRefinedSurface(const std::string& path, const std::string& scheme, const MessageSink& messages) {
+    const MessageSink ofMesh = [&](Severity s, const std::string& t) { report(messages, s, path + ": " + t); };
+    ControlMesh mesh = readControlMesh(path, scheme, messages);
+    try {
+        const std::string repairs = sanitize(mesh).summary();
+        if (!repairs.empty()) {
+            ofMesh(Severity::Warning, repairs);
+        }
+        RefineOptions options;
+        Box3f box;
+        for (const Vec3f& p : mesh.points) {
+            box.add(p);
+        }
+        if (mesh.scheme != ControlMesh::Scheme::None) {
+            options.targetEdge = box.diagonal() / 150;
+        }
+        return refine(mesh, options, ofMesh);
+    } catch (const Error& e) {
+        throw Error(path + ": " + e.what());
+    }
+}
+
 double surfaceArea(const RefinedSurface& s) {
     double sum = 0;
     for (const Vec3i& t : s.triangles) {

@@ -12,6 +12,10 @@ namespace stf {
 /// message tells of it. Throws Error with a message that starts with the path.
 ControlMesh readControlMesh(const std::string& path, const std::string& scheme, const MessageSink& messages);
 
+/// The same mended for refinement (sanitize) and refined: to a 150th of its diagonal, or not at all without a scheme.
+/// Messages start with the path.
+RefinedSurface readRefinedSurface(const std::string& path, const std::string& scheme, const MessageSink& messages);
+
 /// Square object units.
 double surfaceArea(const RefinedSurface& surface);
 

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Marches through blends against what a blend is: a volume of its own, with a table of its own.
-#include "stfLib/base/random.h"
 #include "stfLib/render/tile_march.h"
-#include "stfLib/transport/lateral_filter.h"
 #include "stfLib/transport/precompute.h"
+#include "tests/unit/support/smooth_noise.h"
 #include "tests/unit/support/statistics.h"
 
 #include <gtest/gtest.h>
@@ -17,16 +16,10 @@ BaseVolume randomSample() {
     BaseVolume v;
     v.size = {kSide, kSide, kDepth};
     v.voxelMm = Vec3d(0.1);
-    std::vector<Rgb> noise;
-    CounterRng rng(7, 1);
-    for (std::size_t i = 0; i < v.voxelCount(); ++i) {
-        noise.push_back(Rgb(rng.uniform() - 0.5f));
-    }
-    LateralFilter(v.size, v.voxelMm, 0.12).apply(noise);
-    for (const Rgb& n : noise) {
-        const float k = 4 * std::exp(8 * n.x);
+    for (float n : smoothNoise(v.size, v.voxelMm, 0.12, 7)) {
+        const float k = 4 * std::exp(8 * n);
         v.extinction.push_back(Rgb(k));
-        v.albedo.push_back(Rgb(0.95f, 0.8f, 0.8f - 0.2f * std::tanh(8 * n.x)));
+        v.albedo.push_back(Rgb(0.95f, 0.8f, 0.8f - 0.2f * std::tanh(8 * n)));
     }
     return v;
 }

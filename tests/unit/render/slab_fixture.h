@@ -7,6 +7,7 @@
 #include "stfLib/volume/volume_io.h"
 
 #include <filesystem>
+#include <functional>
 #include <gtest/gtest.h>
 
 namespace stf::test {
@@ -27,6 +28,8 @@ struct Slab {
     double lightCosine = 1;
     int layersPerMm = 10;
     bool relief = false;
+    std::function<void(BaseVolume&)> shape; ///< changes the volume; empty: nothing
+    double viewMm = 0.4;                    ///< width of what the camera sees
     float quality = 0.01f;
     std::string transport; ///< empty: the renderer's default
     RenderSettings settings;
@@ -60,6 +63,9 @@ struct Slab {
         }
         if (emission > 0) {
             v.emission.assign(v.voxelCount(), Rgb(float(emission)));
+        }
+        if (shape) {
+            shape(v);
         }
         return v;
     }
@@ -203,7 +209,7 @@ private:
         return renderer;
     }
 
-    static std::vector<float> take(Renderer& renderer, double cosine, Aov aov) {
+    std::vector<float> take(Renderer& renderer, double cosine, Aov aov) const {
         renderer.setCamera(camera(cosine), kWidth, kWidth);
         renderer.restart();
         Progress progress;
@@ -233,12 +239,12 @@ private:
         return t;
     }
 
-    // Looks at the origin from 100 mm away, tilted about x to the other side than the light; sees 0.4 mm, so that
+    // Looks at the origin from 100 mm away, tilted about x to the other side than the light; sees little, so that
     // grazing views stay on the quad.
-    static Camera camera(double c) {
+    Camera camera(double c) const {
         const double s = std::sqrt(std::max(0.0, 1 - c * c));
         const Matrix4 worldToView{1, 0, 0, 0, 0, c, s, 0, 0, -s, c, 0, 0, 0, -100, 1};
-        const Matrix4 projection{5, 0, 0, 0, 0, 5, 0, 0, 0, 0, -0.005, 0, 0, 0, -1, 1};
+        const Matrix4 projection{2 / viewMm, 0, 0, 0, 0, 2 / viewMm, 0, 0, 0, 0, -0.005, 0, 0, 0, -1, 1};
         return Camera(worldToView, projection);
     }
 };

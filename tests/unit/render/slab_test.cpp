@@ -142,7 +142,7 @@ TEST(Slab, WhiteFurnace) {
 }
 
 // The same where the surface is cut into: voxels that are partly material hold the fluence inside it, and none is read
-// where there is none. With an index, light enters through the relief, the camera through the limit surface.
+// where there is none. With an index, light and camera rays go through the relief's surface.
 TEST(Slab, WhiteFurnaceWithRelief) {
     for (const double ior : {1.0, 1.4}) {
         for (const double mu : {1.0, 0.5}) {
@@ -157,11 +157,7 @@ TEST(Slab, WhiteFurnaceWithRelief) {
             slab.viewCosine = mu;
             slab.settings.samples = 256;
             EXPECT_TRUE(slab.radiance().near(1, 0.015)) << "index " << ior << ", mu " << mu;
-            int said = 0;
-            for (const std::string& m : slab.messages) {
-                said += m.find("does not refract at the relief") != std::string::npos;
-            }
-            EXPECT_EQ(said, ior == 1 ? 0 : 1);
+            EXPECT_TRUE(slab.messages.empty());
         }
     }
 }

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stfLib/synthesis/stochastic_sample.h"
 
-#include "stfLib/base/random.h"
-#include "stfLib/transport/lateral_filter.h"
-#include "stfLib/volume/make_samples.h"
+#include "tests/unit/support/smooth_noise.h"
 
 #include <cmath>
 #include <gtest/gtest.h>
 
 using namespace stf;
+using namespace stf::test;
 
 namespace {
 
@@ -29,13 +28,8 @@ BaseVolume layer(int size, Value value) {
 
 // A Gaussian random field of a correlation length in texels, through a skew function.
 BaseVolume noise(double sigma) {
-    CounterRng rng(3, 2);
-    std::vector<Rgb> values(128 * 128);
-    for (Rgb& r : values) {
-        r = Rgb(rng.uniform() - 0.5f);
-    }
-    LateralFilter({128, 128, 1}, Vec3d(1.0), sigma).apply(values);
-    return layer(128, [&](int x, int y) { return std::exp(3 * float(sigma) * values[std::size_t(x + 128 * y)].x); });
+    const std::vector<float> values = smoothNoise({128, 128, 1}, Vec3d(1.0), sigma, 3);
+    return layer(128, [&](int x, int y) { return std::exp(3 * float(sigma) * values[std::size_t(x + 128 * y)]); });
 }
 
 TEST(StochasticSample, NoiseOfAnyHistogramIsRandom) {

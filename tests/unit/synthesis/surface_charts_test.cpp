@@ -27,12 +27,7 @@ Prepared prepare(ControlMesh mesh, double mmPerUnit) {
     p.graph = surfaceGraph(refine(mesh, {}, {}));
     p.directions = smoothDirections(p.graph, {}, progress);
     p.steps = surfaceSteps(p.graph, p.directions, mmPerUnit);
-    p.singular.assign(p.graph.size(), 0);
-    for (const Singularity& s : singularities(p.graph, p.directions)) {
-        for (int c = 0; c < 3; ++c) {
-            p.singular[std::size_t(p.graph.triangles[std::size_t(s.triangle)][c])] = 1;
-        }
-    }
+    p.singular = singularVertices(p.graph, singularities(p.graph, p.directions));
     return p;
 }
 

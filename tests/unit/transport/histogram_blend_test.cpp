@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stfLib/transport/histogram_blend.h"
 
-#include "stfLib/base/random.h"
-#include "stfLib/transport/lateral_filter.h"
+#include "tests/unit/support/smooth_noise.h"
 
 #include <algorithm>
 #include <gtest/gtest.h>
@@ -15,15 +14,10 @@ BaseVolume randomSample() {
     BaseVolume v;
     v.size = {48, 40, 3};
     v.voxelMm = Vec3d(0.1);
-    std::vector<Rgb> noise;
-    CounterRng rng(7, 1);
-    for (std::size_t i = 0; i < v.voxelCount(); ++i) {
-        noise.push_back(Rgb(rng.uniform() - 0.5f));
-    }
-    LateralFilter(v.size, v.voxelMm, 0.2).apply(noise);
+    const std::vector<float> noise = smoothNoise(v.size, v.voxelMm, 0.2, 7);
     for (std::size_t i = 0; i < v.voxelCount(); ++i) {
         const bool still = i / 1920 == 2;
-        const float n = still ? 0.0f : 8 * noise[i].x;
+        const float n = still ? 0.0f : 8 * noise[i];
         const float scattering = std::exp(n), absorption = 0.1f * std::exp(-0.5f * n);
         v.extinction.push_back(Rgb(scattering + absorption));
         v.albedo.push_back(Rgb(scattering / (scattering + absorption)));

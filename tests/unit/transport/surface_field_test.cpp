@@ -51,6 +51,35 @@ TEST(SurfaceField, TrilinearPeriodicAndConstantBeyondTheLastLayers) {
     }
 }
 
+// The distance to a ball has no creases; those of its interpolant are smoothed, which costs less than they do.
+TEST(SurfaceField, SmoothNormalIsThatOfABallAndHasNoCreases) {
+    const Vec3i size(16, 16, 16);
+    const Vec3d mm(0.1, 0.1, 0.1);
+    std::vector<float> distance;
+    for (int z = 0; z < 16; ++z) {
+        for (int y = 0; y < 16; ++y) {
+            for (int x = 0; x < 16; ++x) {
+                distance.push_back(float(length(Vec3d(x - 7.5, y - 7.5, z - 7.5)) * 0.1 - 0.5));
+            }
+        }
+    }
+    const SurfaceField f(size, mm, distance);
+    CounterRng rng(4, 0);
+    double faceted = 0, smooth = 0;
+    for (int i = 0; i < 400; ++i) {
+        const float cosine = 2 * rng.uniform() - 1, phi = 6.2831853f * rng.uniform();
+        const float sine = std::sqrt(1 - cosine * cosine);
+        const Vec3f n{sine * std::cos(phi), sine * std::sin(phi), cosine}, p = Vec3f(8.0f) + n * 5;
+        faceted = std::max(faceted, double(length(f.normal(p) - n)));
+        smooth = std::max(smooth, double(length(f.smoothNormal(p) - n)));
+        // Across a middle, where the interpolant bends.
+        const Vec3f crease{std::round(p.x - 0.5f) + 0.5f, p.y, p.z}, e{1e-4f, 0, 0};
+        EXPECT_LT(length(f.smoothNormal(crease - e) - f.smoothNormal(crease + e)), 1e-3f);
+    }
+    EXPECT_LT(smooth, 0.03);
+    EXPECT_LT(smooth, 0.5 * faceted);
+}
+
 TEST(SurfaceField, ValuesOfAPolygonAreExact) {
     const Relief r = waves(6, 2.4, 1.3);
     const SurfaceField f = field(r);
