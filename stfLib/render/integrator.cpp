@@ -31,12 +31,12 @@ ShellMarch& Integrator::marchOf(const PreparedInstance& instance) {
 int Integrator::lightsOnShell(const PreparedInstance& instance, const Surfel& surfel, bool indirect,
                               PixelSampler& sampler, ShellLight* lights) {
     const ShellObject& shell = *instance.mesh->shell;
-    const Vec3f objectNormal = normalize(Vec3f(instance.worldToObject.normal(Vec3d(surfel.normal))));
+    const Vec3f objectNormal = instance.objectNormal(surfel.normal);
     const float offset = 1e-3f * shell.grid->voxelSize();
 
     int count = 0;
     const auto visible = [&](const Vec3f& point, const LightSample& light) {
-        const Vec3f lifted(instance.objectToWorld.point(Vec3d(point + objectNormal * offset)));
+        const Vec3f lifted = instance.worldPoint(point + objectNormal * offset);
         return rays_.visibility(lifted + surfel.normal * scene_.rounding, light);
     };
     LightPick picks[kMaxLightsPerPath];
@@ -57,17 +57,17 @@ int Integrator::lightsOnShell(const PreparedInstance& instance, const Surfel& su
             const Rgb blurred = moved == surfel.shadowOrigin ? exact : visible(moved, light);
             if (maxComponent(exact) > 0 || maxComponent(blurred) > 0) {
                 ShellLight& s = lights[count++];
-                s.towards = normalize(Vec3f(instance.worldToObject.vector(Vec3d(light.towards))));
+                s.towards = instance.objectDirection(light.towards);
                 s.forSingle = irradiance * exact;
                 s.forMultiple = irradiance * blurred;
             }
         }
     }
     if (indirect) {
-        const Vec3f from(instance.objectToWorld.point(Vec3d(surfel.shadowOrigin + objectNormal * offset)));
+        const Vec3f from = instance.worldPoint(surfel.shadowOrigin + objectNormal * offset);
         const LightSample light = plain_.bounced(from + surfel.normal * scene_.rounding, surfel.normal, sampler);
         if (maxComponent(light.irradiance) > 0) {
-            const Vec3f towards = normalize(Vec3f(instance.worldToObject.vector(Vec3d(light.towards))));
+            const Vec3f towards = instance.objectDirection(light.towards);
             lights[count++] = {towards, light.irradiance, light.irradiance};
         }
     }
@@ -94,10 +94,10 @@ ReliefRadiance Integrator::shadeRelief(const PreparedInstance& instance, const S
 }
 
 Ray Integrator::leaveRelief(const PreparedInstance& instance, const ShellExit& exit) const {
-    const Vec3f outward = normalize(Vec3f(instance.objectToWorld.normal(Vec3d(exit.outward))));
+    const Vec3f outward = instance.worldNormal(exit.outward);
     Ray ray;
-    ray.direction = normalize(Vec3f(instance.objectToWorld.vector(Vec3d(exit.direction))));
-    ray.origin = Vec3f(instance.objectToWorld.point(Vec3d(exit.point))) + outward * scene_.shadowOffset;
+    ray.direction = instance.worldDirection(exit.direction);
+    ray.origin = instance.worldPoint(exit.point) + outward * scene_.shadowOffset;
     return ray;
 }
 
@@ -110,10 +110,10 @@ Ray Integrator::leaveShell(const PreparedInstance& instance, const Surfel& entry
     // What is reflected there goes on inside the shell: it is dropped, as are rays that are reflected altogether.
     const SurfaceCrossing out = crossSurface(direction, -normal, -exit.geometricNormal, 1 / ior);
     share = 1 - out.reflectance;
-    const Vec3f worldNormal = normalize(Vec3f(instance.objectToWorld.normal(Vec3d(normal))));
+    const Vec3f worldNormal = instance.worldNormal(normal);
     Ray ray;
-    ray.direction = normalize(Vec3f(instance.objectToWorld.vector(Vec3d(out.refracted))));
-    ray.origin = Vec3f(instance.objectToWorld.point(Vec3d(point))) + worldNormal * scene_.shadowOffset;
+    ray.direction = instance.worldDirection(out.refracted);
+    ray.origin = instance.worldPoint(point) + worldNormal * scene_.shadowOffset;
     return ray;
 }
 
@@ -247,8 +247,8 @@ PixelSample Integrator::sample(const Ray& first, const RayCone& cone, PixelSampl
             }
             if (in.reflectance > 0) {
                 reflected = throughput * in.reflectance;
-                mirrorRay.direction = normalize(Vec3f(instance.objectToWorld.vector(Vec3d(in.reflected))));
-                mirrorRay.origin = Vec3f(instance.objectToWorld.point(Vec3d(surfel.shadowOrigin))) +
+                mirrorRay.direction = instance.worldDirection(in.reflected);
+                mirrorRay.origin = instance.worldPoint(surfel.shadowOrigin) +
                                    surfel.normal * scene_.shadowOffset;
             }
         }

@@ -24,6 +24,15 @@ struct PreparedInstance {
     std::shared_ptr<const PlainMaterial> material; ///< of a plain surface; null: its displayColor
     std::int32_t primId = -1, instanceId = -1;
     std::vector<Rgb> core; ///< radiance leaving the core, per sample of the shell's grid; empty for a black one
+
+    /// A normal of object space in the world, unit: what a map does to normals is the transpose of its inverse.
+    Vec3f worldNormal(const Vec3f& n) const { return normalize(Vec3f(worldToObject.transposed(Vec3d(n)))); }
+    /// And the other way.
+    Vec3f objectNormal(const Vec3f& n) const { return normalize(Vec3f(objectToWorld.transposed(Vec3d(n)))); }
+    Vec3f worldPoint(const Vec3f& p) const { return Vec3f(objectToWorld.point(Vec3d(p))); }
+    /// A direction of object space, unit.
+    Vec3f worldDirection(const Vec3f& d) const { return normalize(Vec3f(objectToWorld.vector(Vec3d(d)))); }
+    Vec3f objectDirection(const Vec3f& d) const { return normalize(Vec3f(worldToObject.vector(Vec3d(d)))); }
 };
 
 /// Everything a camera ray meets. Immutable while a pass runs.

@@ -416,6 +416,9 @@ bool Renderer::renderPass(Progress& progress) {
         for (std::size_t tile = begin; tile < end && !progress.cancelled(); ++tile) {
             Integrator integrator(*s.scene);
             const int x0 = int(tile) % tilesX * kTile, y0 = int(tile) / tilesX * kTile;
+            // Of the pixel in the tile's middle: it hardly changes within.
+            const RayCone cone = s.camera.cone(2 * (x0 + 0.5 * kTile) / width - 1, 2 * (y0 + 0.5 * kTile) / height - 1,
+                                               2.0 / width, 2.0 / height);
             for (int y = y0; y < std::min(y0 + kTile, height); ++y) {
                 for (int x = x0; x < std::min(x0 + kTile, width); ++x) {
                     std::uint32_t& done = s.passDone[std::size_t(y) * std::size_t(width) + std::size_t(x)];
@@ -432,8 +435,6 @@ bool Renderer::renderPass(Progress& progress) {
                                          s.film.sampleCount(x, y));
                     const Vec2f u = sampler.next2d();
                     const Ray ray = ndc(x + 0.5 + double(tent(u.x)), y + 0.5 + double(tent(u.y)));
-                    const RayCone cone =
-                        s.camera.cone(2 * (x + 0.5) / width - 1, 2 * (y + 0.5) / height - 1, 2.0 / width, 2.0 / height);
                     s.film.add(x, y, integrator.sample(ray, cone, sampler));
                     done = pass + 1;
                 }
