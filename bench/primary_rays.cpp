@@ -39,11 +39,10 @@ public:
             rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
         }
         RTCGeometry g = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
-        auto* points =
-            static_cast<Vec3f*>(rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f),
-                                                        s.points.size()));
-        auto* triangles = static_cast<Vec3i*>(rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                                                      sizeof(Vec3i), s.triangles.size()));
+        auto* points = static_cast<Vec3f*>(
+            rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f), s.points.size()));
+        auto* triangles = static_cast<Vec3i*>(
+            rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(Vec3i), s.triangles.size()));
         std::copy(s.points.begin(), s.points.end(), points);
         std::copy(s.triangles.begin(), s.triangles.end(), triangles);
         rtcCommitGeometry(g);
@@ -171,17 +170,14 @@ nlohmann::ordered_json run(const Arguments& a) {
     }
     const BareScene bare(placed, true), loose(placed, false);
 
-    // In the order of the renderer, by tiles.
-    constexpr int tile = 16;
+    // In the order of the renderer: blocks of pixels in tiles.
+    constexpr int tile = 16, block = 4;
     std::vector<Pixel> pixels;
-    for (int y0 = 0; y0 < a.size; y0 += tile) {
-        for (int x0 = 0; x0 < a.size; x0 += tile) {
-            for (int y = y0; y < std::min(y0 + tile, a.size); ++y) {
-                for (int x = x0; x < std::min(x0 + tile, a.size); ++x) {
-                    pixels.push_back({x, y});
-                }
-            }
-        }
+    for (int i = 0; i < a.size * a.size; ++i) {
+        const int t = i / (tile * tile), b = i / (block * block) % (tile / block * tile / block),
+                  p = i % (block * block);
+        pixels.push_back({t % (a.size / tile) * tile + b % (tile / block) * block + p % block,
+                          t / (a.size / tile) * tile + b / (tile / block) * block + p / block});
     }
     const auto rayOf = [&](const Pixel& p) {
         return camera.ray(2 * (p.x + 0.5) / a.size - 1, 2 * (p.y + 0.5) / a.size - 1, scene.origin);
@@ -242,8 +238,15 @@ nlohmann::ordered_json run(const Arguments& a) {
         time(3, [&] {
             Integrator integrator(scene);
             float sum = 0;
-            for (const Pixel& p : pixels) {
-                sum += integrator.firstHit(rayOf(p), camera).cameraDepth;
+            for (std::size_t p = 0; p < pixels.size(); p += kMostTogether) {
+                Integrator::Bundle bundle;
+                for (std::size_t i = p; i < std::min(pixels.size(), p + kMostTogether); ++i) {
+                    bundle.ray[bundle.count++] = rayOf(pixels[i]);
+                }
+                integrator.meet(bundle);
+                for (int i = 0; i < bundle.count; ++i) {
+                    sum += integrator.firstHit(bundle, i, camera).cameraDepth;
+                }
             }
             return sum;
         });
@@ -278,9 +281,10 @@ int main(int argc, char** argv) {
     Arguments a;
     CLI::App app("Primary rays a second", "stf_bench_rays");
     app.add_option("mesh", a.mesh, "OBJ, PLY, STL or OFF")->required();
-    app.add_option("--size", a.size, "Of the picture, pixels")->check(CLI::Range(16, 4096));
+    app.add_option("--size", a.size, "Of the picture, pixels, a multiple of 16")->check(CLI::Range(16, 4096));
     app.add_option("--rounds", a.rounds, "The quickest counts")->check(CLI::Range(1, 1000));
     CLI11_PARSE(app, argc, argv);
+    a.size = (a.size + 15) / 16 * 16;
     try {
         std::puts(run(a).dump().c_str());
         return 0;

@@ -11,8 +11,8 @@ namespace stf {
 /// 4x4 in double precision, row-major with row vectors (p' = p M), as OpenUSD stores it.
 using Matrix4 = std::array<double, 16>;
 
-/// How wide what a pixel sees is along its ray (Akenine-Moller et al. 2021, "Improved shader and texture level of detail
-/// using ray cones"), world units; what curved mirrors do to it is left aside.
+/// How wide what a pixel sees is along its ray (Akenine-Moller et al. 2021, "Improved shader and texture level of
+/// detail using ray cones"), world units; what curved mirrors do to it is left aside.
 struct RayCone {
     float width = 0;  ///< where the ray starts
     float spread = 0; ///< per unit of the way

@@ -117,10 +117,10 @@ Ray Integrator::leaveShell(const PreparedInstance& instance, const Surfel& entry
     return ray;
 }
 
-PixelSample Integrator::sample(const Ray& first, const RayCone& cone, PixelSampler& sampler) {
+PixelSample Integrator::sample(const Bundle& bundle, int i, const RayCone& cone, PixelSampler& sampler) {
     PixelSample out;
     LightPath path;
-    path.ray = first;
+    path.ray = bundle.ray[i];
     Ray& ray = path.ray;
     Rgb& throughput = path.throughput;
     const bool& mirrored = path.mirrored;
@@ -135,8 +135,8 @@ PixelSample Integrator::sample(const Ray& first, const RayCone& cone, PixelSampl
         }
     };
     for (int surface = 0; surface < kMaxSurfaces; ++surface) {
-        RayHit hit;
-        const bool met = rays_.intersect(ray, hit);
+        RayHit hit = bundle.hit[i];
+        const bool met = surface > 0 ? rays_.intersect(ray, hit) : bundle.met[i];
         const float tMax = met ? hit.t : std::numeric_limits<float>::infinity();
         if (path.lights == LightPath::Lights::All) {
             add(throughput * scene_.lights.mirrored(ray.origin, ray.direction, tMax), path.bounced);
@@ -248,8 +248,7 @@ PixelSample Integrator::sample(const Ray& first, const RayCone& cone, PixelSampl
             if (in.reflectance > 0) {
                 reflected = throughput * in.reflectance;
                 mirrorRay.direction = instance.worldDirection(in.reflected);
-                mirrorRay.origin = instance.worldPoint(surfel.shadowOrigin) +
-                                   surfel.normal * scene_.shadowOffset;
+                mirrorRay.origin = instance.worldPoint(surfel.shadowOrigin) + surfel.normal * scene_.shadowOffset;
             }
         }
         if (path.seen()) {
@@ -274,11 +273,12 @@ PixelSample Integrator::sample(const Ray& first, const RayCone& cone, PixelSampl
     return out;
 }
 
-PixelHit Integrator::firstHit(Ray ray, const Camera& camera) {
+PixelHit Integrator::firstHit(const Bundle& bundle, int which, const Camera& camera) {
     PixelHit out;
-    RayHit hit;
+    Ray ray = bundle.ray[which];
+    RayHit hit = bundle.hit[which];
     for (int surface = 0;; ++surface) {
-        if (surface == kMaxSurfaces || !rays_.intersect(ray, hit)) {
+        if (surface == kMaxSurfaces || !(surface > 0 ? rays_.intersect(ray, hit) : bundle.met[which])) {
             return out;
         }
         if (!PlainShader::isHole(scene_.instances[hit.instance], ray, hit)) {

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <optional>
 #include <set>
 
 namespace stf {
@@ -19,6 +20,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr int kTile = 16; // pixels
+constexpr int kBlock = 4; // pixels, of rays that are traced together
+static_assert(kBlock * kBlock == kMostTogether && kTile % kBlock == 0);
 
 double since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
@@ -63,6 +66,7 @@ struct Renderer::Impl {
     void placeInstances(const Scene& source);
     void planSurfaces();
     std::shared_ptr<const PlainMaterial> materialOf(const SceneMesh& mesh, const Scene& source);
+    void sampleBlock(Integrator& integrator, int x0, int y0, std::uint32_t pass, const RayCone& cone);
     void restartSampling() {
         adaptive.restart(film.width(), film.height());
         passDone.assign(std::size_t(film.width()) * std::size_t(film.height()), 0);
@@ -387,6 +391,43 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
     s.preparedVersion = source.version();
 }
 
+// A pass over neighbouring pixels, whose camera rays are traced together.
+void Renderer::Impl::sampleBlock(Integrator& integrator, int x0, int y0, std::uint32_t pass, const RayCone& cone) {
+    const int width = film.width(), height = film.height();
+    const auto rayAt = [&](double x, double y) {
+        return camera.ray(2 * x / width - 1, 2 * y / height - 1, scene->origin);
+    };
+    struct Pixel {
+        int x, y;
+    } pixels[kMostTogether];
+    std::optional<PixelSampler> samplers[kMostTogether];
+    Integrator::Bundle middles, bundle;
+    for (int y = y0; y < std::min(y0 + kBlock, height); ++y) {
+        for (int x = x0; x < std::min(x0 + kBlock, width); ++x) {
+            const std::size_t index = std::size_t(y) * std::size_t(width) + std::size_t(x);
+            if (passDone[index] > pass || !adaptive.active(x, y)) {
+                continue; // done before this pass was interrupted, or good enough
+            }
+            if (pass == 0) {
+                middles.ray[middles.count++] = rayAt(x + 0.5, y + 0.5);
+            }
+            PixelSampler& sampler = samplers[bundle.count].emplace(settings.seed, index, film.sampleCount(x, y));
+            const Vec2f u = sampler.next2d();
+            pixels[bundle.count] = {x, y};
+            bundle.ray[bundle.count++] = rayAt(x + 0.5 + double(tent(u.x)), y + 0.5 + double(tent(u.y)));
+            passDone[index] = pass + 1;
+        }
+    }
+    integrator.meet(middles);
+    for (int i = 0; i < middles.count; ++i) {
+        film.setHit(pixels[i].x, pixels[i].y, integrator.firstHit(middles, i, camera));
+    }
+    integrator.meet(bundle);
+    for (int i = 0; i < bundle.count; ++i) {
+        film.add(pixels[i].x, pixels[i].y, integrator.sample(bundle, i, cone, *samplers[i]));
+    }
+}
+
 void Renderer::restart() {
     impl_->film.clear();
     impl_->restartSampling();
@@ -419,24 +460,9 @@ bool Renderer::renderPass(Progress& progress) {
             // Of the pixel in the tile's middle: it hardly changes within.
             const RayCone cone = s.camera.cone(2 * (x0 + 0.5 * kTile) / width - 1, 2 * (y0 + 0.5 * kTile) / height - 1,
                                                2.0 / width, 2.0 / height);
-            for (int y = y0; y < std::min(y0 + kTile, height); ++y) {
-                for (int x = x0; x < std::min(x0 + kTile, width); ++x) {
-                    std::uint32_t& done = s.passDone[std::size_t(y) * std::size_t(width) + std::size_t(x)];
-                    if (done > pass || !s.adaptive.active(x, y)) {
-                        continue; // done before this pass was interrupted, or good enough
-                    }
-                    const auto ndc = [&](double px, double py) {
-                        return s.camera.ray(2 * px / width - 1, 2 * py / height - 1, s.scene->origin);
-                    };
-                    if (pass == 0) {
-                        s.film.setHit(x, y, integrator.firstHit(ndc(x + 0.5, y + 0.5), s.camera));
-                    }
-                    PixelSampler sampler(s.settings.seed, std::uint64_t(y) * std::uint64_t(width) + std::uint64_t(x),
-                                         s.film.sampleCount(x, y));
-                    const Vec2f u = sampler.next2d();
-                    const Ray ray = ndc(x + 0.5 + double(tent(u.x)), y + 0.5 + double(tent(u.y)));
-                    s.film.add(x, y, integrator.sample(ray, cone, sampler));
-                    done = pass + 1;
+            for (int y = y0; y < y0 + kTile; y += kBlock) {
+                for (int x = x0; x < x0 + kTile; x += kBlock) {
+                    s.sampleBlock(integrator, x, y, pass, cone);
                 }
             }
             rays += integrator.rays();

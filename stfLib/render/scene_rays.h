@@ -19,6 +19,11 @@ public:
         ++count_;
         return scene_.rays->intersect(ray, hit);
     }
+    /// Nearest hits of up to kMostTogether rays of neighbouring pixels.
+    void intersectTogether(const Ray* rays, int count, RayHit* hits, bool* met) {
+        count_ += std::uint64_t(count);
+        scene_.rays->intersectTogether(rays, count, hits, met);
+    }
     /// The share of a light that arrives at a point (world): 0 or 1, but for surfaces that are not opaque.
     Rgb visibility(const Vec3f& origin, const LightSample& light);
     /// At most kMaxLightsPerPath of the lights, with their weights; returns how many.

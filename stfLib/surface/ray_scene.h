@@ -53,6 +53,8 @@ struct RayInstance {
     bool visible = true;
 };
 
+constexpr int kMostTogether = 16;
+
 /// All instances in world space. Only surfaces (geometry 0) take part in world-space queries; the march asks the mesh
 /// for its inner boundary. Immutable after construction; queries from any number of threads.
 class RayScene {
@@ -63,6 +65,9 @@ public:
     RayScene& operator=(const RayScene&) = delete;
 
     bool intersect(const Ray& worldRay, RayHit& hit) const;
+    /// The same for up to kMostTogether rays that start and go much alike, as those of neighbouring pixels: several
+    /// times as fast as one by one. `met`: which of them hit something.
+    void intersectTogether(const Ray* worldRays, int count, RayHit* hits, bool* met) const;
     bool occluded(const Ray& worldRay) const;
     Box3f bounds() const;
 
