@@ -112,8 +112,9 @@ nlohmann::ordered_json measure(const ShellGrid& grid, const ShellGridData& data,
         float sum = 0;
         ShellLookup l;
         for (std::size_t i = 0; i < points.size(); ++i) {
+            const bool there = accessor.lookup(points[i], l);
             accessor.prefetch(points[std::min(i + 2, points.size() - 1)]);
-            if (accessor.lookup(points[i], l)) {
+            if (there) {
                 sum +=
                     table.fetch(l.exemplar.x * toTable + 1024, l.exemplar.y * toTable + 1024, l.depth * toLayer + 1024);
             }
