@@ -10,9 +10,6 @@ namespace stf {
 namespace {
 
 constexpr int kMaxSurfaces = 64; // of transparent shells along one ray
-/// Of other lights on a shell: their visibility is averaged over a disc.
-constexpr int kNearDirections = 2;
-constexpr int kMaxShellLights = kMaxLightsPerPath * kDomeDirections + 1; // one of other surfaces
 
 /// A mirrored path whose throughput is below this takes part in surfaces only with the chance that makes up for it.
 constexpr float kFaint = 0.25f;
@@ -79,7 +76,10 @@ ShellRadiance Integrator::shadeShell(const PreparedInstance& instance, const Sur
     ShellLight lights[kMaxShellLights];
     const int count = lightsOnShell(instance, surfel, indirect, sampler, lights);
     rays_.add(1);
-    return marchOf(instance).march(surfel.objectPoint, surfel.triangle, direction, footprintMm, lights, count, sampler);
+    ShellSpan span;
+    span.stop = instance.overlapped ? obstacle(instance, surfel.objectPoint, direction) : span.stop;
+    return marchOf(instance).march(surfel.objectPoint, surfel.triangle, direction, footprintMm, lights, count, sampler,
+                                   span);
 }
 
 ReliefRadiance Integrator::shadeRelief(const PreparedInstance& instance, const Surfel& surfel, const RayHit& hit,
@@ -88,8 +88,16 @@ ReliefRadiance Integrator::shadeRelief(const PreparedInstance& instance, const S
     ShellLight lights[kMaxShellLights];
     const int count = lightsOnShell(instance, surfel, indirect, sampler, lights);
     rays_.add(1);
-    const ReliefEntry entry{surfel.objectPoint, direction, normalize(smoothNormal(*instance.mesh->surface, hit)),
-                            hit.geometricNormal, surfel.triangle};
+    ReliefEntry entry{surfel.objectPoint,
+                      direction,
+                      normalize(smoothNormal(*instance.mesh->surface, hit)),
+                      hit.geometricNormal,
+                      surfel.triangle,
+                      false,
+                      nullptr};
+    if (instance.overlapped) {
+        entry.obstacle = [&](const Vec3f& p, const Vec3f& d) { return obstacle(instance, p, d); };
+    }
     return marchOf(instance).marchRelief(entry, footprintMm, lights, count, sampler);
 }
 
@@ -101,11 +109,11 @@ Ray Integrator::leaveRelief(const PreparedInstance& instance, const ShellExit& e
     return ray;
 }
 
-Ray Integrator::leaveShell(const PreparedInstance& instance, const Surfel& entry, const Vec3f& direction,
+Ray Integrator::leaveShell(const PreparedInstance& instance, const Vec3f& entry, const Vec3f& direction,
                            const ShellRadiance& through, float& share) {
     const RefinedSurface& s = *instance.mesh->surface;
     const RayHit& exit = through.exit;
-    const Vec3f normal = normalize(smoothNormal(s, exit)), point = entry.objectPoint + direction * through.tExit;
+    const Vec3f normal = normalize(smoothNormal(s, exit)), point = entry + direction * through.tExit;
     const float ior = marchOf(instance).iorAt(point, exit.triangle);
     // What is reflected there goes on inside the shell: it is dropped, as are rays that are reflected altogether.
     const SurfaceCrossing out = crossSurface(direction, -normal, -exit.geometricNormal, 1 / ior);
@@ -134,9 +142,49 @@ PixelSample Integrator::sample(const Bundle& bundle, int i, const RayCone& cone,
             out.reflection += light;
         }
     };
+    const auto collect = [&](const Rgb& single, const Rgb& multiple, const Rgb& core) {
+        add(single + multiple + core, path.bounced);
+        if (path.seen()) {
+            out.single += single;
+            out.multiple += multiple;
+            out.core += core;
+        }
+    };
+    if (!scene_.aroundCamera.empty()) {
+        if (Rgb core(0.0f); !startWithin(path, core)) {
+            collect(Rgb(0.0f), Rgb(0.0f), core);
+            out.alpha = 1;
+            return out;
+        }
+        out.alpha = 1 - average(throughput);
+    }
+    bool known = path.withinCount == 0; // what the ray meets
     for (int surface = 0; surface < kMaxSurfaces; ++surface) {
+        while (path.withinCount > 0 && !path.lightsOnly && !path.met) {
+            const PreparedInstance& around = *path.within[path.withinCount - 1];
+            const Interior r = crossInterior(around, path, cone, sampler);
+            if (r.inside) {
+                collect(throughput * r.single, throughput * r.multiple, throughput * r.core);
+                out.alpha += path.seen() ? average(throughput - throughput * r.through) : 0.0f;
+                throughput *= r.through;
+                if (!(maxComponent(throughput) > 0)) {
+                    return out;
+                }
+                ray = r.onward;
+                path.travelled += r.moved;
+                path.index = r.stopped ? r.index : 1.0f;
+                path.lights = r.stopped ? LightPath::Lights::None : path.lights;
+                if (r.stopped) {
+                    break;
+                }
+                path.passShell();
+            }
+            --path.withinCount;
+        }
+        path.met = false;
         RayHit hit = bundle.hit[i];
-        const bool met = surface > 0 ? rays_.intersect(ray, hit) : bundle.met[i];
+        const bool met = known ? bundle.met[i] : rays_.intersect(ray, hit);
+        known = false;
         const float tMax = met ? hit.t : std::numeric_limits<float>::infinity();
         if (path.lights == LightPath::Lights::All) {
             add(throughput * scene_.lights.mirrored(ray.origin, ray.direction, tMax), path.bounced);
@@ -168,6 +216,7 @@ PixelSample Integrator::sample(const Bundle& bundle, int i, const RayCone& cone,
         const PreparedInstance& instance = scene_.instances[hit.instance];
         const Surfel surfel = surfelAt(instance, ray, hit);
         const ShellObject* shell = instance.mesh->shell.get();
+        const WayOutGuard wayOut(*this, path, sampler);
         if (!shell) {
             const Rgb before = throughput;
             const bool seen = path.seen(), bounced = path.bounced;
@@ -187,19 +236,21 @@ PixelSample Integrator::sample(const Bundle& bundle, int i, const RayCone& cone,
             ray.tNear = hit.t * (1 + 1e-6f) + scene_.shadowOffset;
             continue;
         }
+        if (path.isWithin(instance)) {
+            ray.tNear = hit.t * (1 + 1e-6f); // something else is met on its very surface
+            path.met = true;
+            continue;
+        }
         const float scale = length(scaled);
         Vec3f direction = scaled / scale;
+        // Shells are lit as in air, also where they lie in another that refracts.
+        const float medium = path.index * path.index;
+        const Rgb inMedium = throughput;
+        throughput *= medium;
+        bool stopped = false;
 
         const float footprint = (cone.at(path.travelled + hit.t) + path.spread * hit.t) * scale * shell->mmPerUnit;
         const bool indirect = scene_.surfacesBounce && path.bounces < scene_.maxDepth;
-        const auto collect = [&](const Rgb& single, const Rgb& multiple, const Rgb& core) {
-            add(single + multiple + core, path.bounced);
-            if (path.seen()) {
-                out.single += single;
-                out.multiple += multiple;
-                out.core += core;
-            }
-        };
         // Two ways lead on: through the shell and off its surface.
         Rgb through(0.0f), reflected(0.0f);
         Ray onward = ray, mirrorRay;
@@ -211,7 +262,8 @@ PixelSample Integrator::sample(const Bundle& bundle, int i, const RayCone& cone,
             out.reflection += path.seen() ? throughput * r.reflection : Rgb(0.0f);
             through = throughput * r.through.weight;
             if (maxComponent(through) > 0) {
-                onward = leaveRelief(instance, r.through);
+                stopped = r.through.stopped;
+                onward = stopped ? goOnWithin(instance, r.through) : leaveRelief(instance, r.through);
                 moved = hit.t + r.through.travelled / scale;
             }
             reflected = throughput * r.mirror.weight;
@@ -237,10 +289,20 @@ PixelSample Integrator::sample(const Bundle& bundle, int i, const RayCone& cone,
                 collect(inner * r.single, inner * r.multiple, inner * r.core);
                 through = throughput * r.transmittance * (1 - in.reflectance); // n^2 is undone where it leaves again
                 onward.tNear = (hit.t + r.tExit / scale) * (1 + 1e-6f) + scene_.shadowOffset;
-                if (refracts && r.throughSurface && dot(direction, r.exit.geometricNormal) > 0 &&
-                    maxComponent(through) > 0) {
+                stopped = r.stopped;
+                if (stopped) {
+                    through = inner * r.transmittance;
+                    if (refracts) {
+                        onward = Ray();
+                        onward.origin = instance.worldPoint(surfel.objectPoint);
+                        onward.direction = instance.worldDirection(direction);
+                        moved = hit.t;
+                    }
+                    onward.tNear = (hit.t - moved + r.tExit / scale) * (1 - 1e-6f) - scene_.rounding;
+                } else if (refracts && r.throughSurface && dot(direction, r.exit.geometricNormal) > 0 &&
+                           maxComponent(through) > 0) {
                     float share = 1;
-                    onward = leaveShell(instance, surfel, direction, r, share);
+                    onward = leaveShell(instance, surfel.objectPoint, direction, r, share);
                     moved = hit.t + r.tExit / scale;
                     through *= share;
                 }
@@ -251,8 +313,12 @@ PixelSample Integrator::sample(const Bundle& bundle, int i, const RayCone& cone,
                 mirrorRay.origin = instance.worldPoint(surfel.shadowOrigin) + surfel.normal * scene_.shadowOffset;
             }
         }
+        if (!stopped) {
+            through /= medium;
+        }
+        reflected /= medium;
         if (path.seen()) {
-            out.alpha += average(throughput - through);
+            out.alpha += average(inMedium - through);
         }
         // Where both bring something, one is taken by its share.
         const float a = maxComponent(through), b = maxComponent(reflected);
@@ -262,6 +328,12 @@ PixelSample Integrator::sample(const Bundle& bundle, int i, const RayCone& cone,
         const bool mirror = b > 0 && (!(a > 0) || sampler.next1d() * (a + b) < b);
         throughput = mirror ? reflected * ((a + b) / b) : through * (a > 0 && b > 0 ? (a + b) / a : 1.0f);
         path.passShell();
+        if (stopped && !mirror) {
+            path.enter(instance);
+            path.index = indexWithin(instance, surfel.objectPoint, surfel.triangle);
+            path.lights = LightPath::Lights::None;
+            path.met = true;
+        }
         if (mirror) {
             path.mirror();
             moved = mirrorMoved;

@@ -4,6 +4,7 @@
 #include "stfLib/base/parallel.h"
 #include "stfLib/render/adaptive_sampling.h"
 #include "stfLib/render/core_light.h"
+#include "stfLib/render/instance_bounds.h"
 #include "stfLib/render/integrator.h"
 #include "stfLib/render/shell_builder.h"
 #include "stfLib/transport/precompute.h"
@@ -264,6 +265,7 @@ void Renderer::Impl::placeInstances(const Scene& source) {
             scene->instances.push_back(std::move(p));
         }
     }
+    findOverlaps(scene->instances);
     scene->rays = std::make_unique<const RayScene>(rays);
     const Box3f box = scene->rays->bounds();
     const float farthest = box.empty() ? 1.0f
@@ -447,7 +449,12 @@ bool Renderer::renderPass(Progress& progress) {
     s.scene->clearAlpha = s.clearAlpha;
     s.scene->maxDepth = s.settings.maxDepth;
     s.scene->indirectClamp = s.settings.indirectClamp;
-    const auto start = Clock::now();
+    Box3f start; // of camera rays, twice as wide as the picture
+    for (const Vec2d& corner : {Vec2d{-2, -2}, Vec2d{2, -2}, Vec2d{-2, 2}, Vec2d{2, 2}}) {
+        start.add(s.camera.ray(corner.x, corner.y, s.scene->origin).origin);
+    }
+    s.scene->aroundCamera = shellsAround(s.scene->instances, start);
+    const auto startTime = Clock::now();
     const int width = s.film.width(), height = s.film.height();
     const int tilesX = (width + kTile - 1) / kTile, tilesY = (height + kTile - 1) / kTile;
     const std::uint32_t pass = std::uint32_t(s.passes);
@@ -469,7 +476,7 @@ bool Renderer::renderPass(Progress& progress) {
         }
     });
     s.stats.rays += rays;
-    s.stats.renderSeconds += since(start);
+    s.stats.renderSeconds += since(startTime);
     if (progress.cancelled()) {
         return false;
     }

@@ -13,12 +13,26 @@ Rgb SceneRays::visibility(const Vec3f& origin, const LightSample& light) {
     if (!light.shadows) {
         return Rgb(1.0f);
     }
+    if (wayOut_) {
+        return fromWithin(origin, light);
+    }
     const Ray ray = shadowRay(origin, light);
     if (scene_.clearSurfaces) {
         return throughSurfaces(ray);
     }
     ++count_;
     return Rgb(scene_.rays->occluded(ray) ? 0.0f : 1.0f);
+}
+
+Rgb SceneRays::fromWithin(Vec3f origin, LightSample light) {
+    WayOut wayOut;
+    wayOut.swap(wayOut_); // beyond there is none
+    Rgb left = wayOut(origin, light);
+    if (maxComponent(left) > 0) {
+        left *= visibility(origin, light);
+    }
+    wayOut.swap(wayOut_);
+    return left;
 }
 
 Rgb SceneRays::throughSurfaces(Ray ray) {

@@ -4,6 +4,8 @@
 #include "stfLib/base/sampler.h"
 #include "stfLib/render/prepared_scene.h"
 
+#include <functional>
+
 namespace stf {
 
 constexpr int kMaxLightsPerPath = 4; // more are chosen from at random, so that cost stays bounded
@@ -24,6 +26,10 @@ public:
         count_ += std::uint64_t(count);
         scene_.rays->intersectTogether(rays, count, hits, met);
     }
+    /// How light gets out of shells that points lie in: moves the origin (world) there, gives what is left.
+    using WayOut = std::function<Rgb(Vec3f& origin, LightSample& light)>;
+    /// For the points asked for from now on; null: they lie in no shell.
+    void setWayOut(WayOut wayOut) { wayOut_ = std::move(wayOut); }
     /// The share of a light that arrives at a point (world): 0 or 1, but for surfaces that are not opaque.
     Rgb visibility(const Vec3f& origin, const LightSample& light);
     /// At most kMaxLightsPerPath of the lights, with their weights; returns how many.
@@ -34,8 +40,10 @@ public:
 
 private:
     Rgb throughSurfaces(Ray ray);
+    Rgb fromWithin(Vec3f origin, LightSample light);
 
     const PreparedScene& scene_;
+    WayOut wayOut_;
     std::uint64_t count_ = 0;
 };
 

@@ -43,6 +43,56 @@ float ShellMarch::iorAt(const Vec3f& point, std::uint32_t triangle) {
     return object_.medium->ior(topOfTile(object_, at.exemplar));
 }
 
+bool ShellMarch::holds(const Vec3f& point, const Vec3f& direction, ShellLookup& at) {
+    Ray ray;
+    ray.origin = point;
+    ray.direction = direction;
+    RayHit hit;
+    if (!object_.rayMesh->intersect(ray, hit, 3)) {
+        return false;
+    }
+    // From between the two a ray leaves through the surface or goes into the core.
+    const float out = dot(direction, hit.geometricNormal);
+    if (hit.geometry == 0 ? !(out > 0) : !(out < 0)) {
+        return false;
+    }
+    probe_.enter(hit.triangle);
+    const float slack = 0.5f * object_.grid->voxelSize() * object_.mmPerUnit;
+    return probe_.lookup(point, at) && at.depth > -slack && at.depth < object_.thicknessMm + slack;
+}
+
+bool ShellMarch::coreHolds(const Vec3f& point, const Vec3f& direction, Rgb& radiance) {
+    Ray ray;
+    ray.origin = point;
+    ray.direction = direction;
+    RayHit hit;
+    if (object_.grid->report().rimEdges > 0 || !object_.rayMesh->intersect(ray, hit, 3) || hit.geometry != 1 ||
+        !(dot(direction, hit.geometricNormal) > 0)) {
+        return false;
+    }
+    ShellLookup at;
+    probe_.enter(hit.triangle);
+    radiance = probe_.lookup(point + direction * hit.t, at, core_) ? at.coreRadiance : Rgb(0.0f);
+    return true;
+}
+
+float ShellMarch::iorWithin(const Vec3f& point, const ShellLookup& at) const {
+    const TileMedium& medium = *object_.medium;
+    if (!medium.refracts()) {
+        return 1;
+    }
+    if (!medium.hasSurface()) {
+        return medium.ior(topOfTile(object_, at.exemplar));
+    }
+    ShellPlace place;
+    place.at = at;
+    place.point = point;
+    const Vec3d& mm = medium.voxelMm();
+    Vec3f p = place.tilePosition(point, {float(1 / mm.x), float(1 / mm.y), float(1 / mm.z)}, object_.mmPerUnit);
+    p.z = std::clamp(p.z, 0.0f, float(medium.size().z));
+    return medium.surface().inside(p) ? medium.ior(p) : 1.0f;
+}
+
 ReliefRadiance ShellMarch::marchRelief(const ReliefEntry& entry, float footprintMm, const ShellLight* lights,
                                        int lightCount, PixelSampler& sampler) {
     TileMarch& tile = tiles_.front(); // a relief has no coarser levels
@@ -52,7 +102,8 @@ ReliefRadiance ShellMarch::marchRelief(const ReliefEntry& entry, float footprint
 }
 
 ShellRadiance ShellMarch::march(const Vec3f& entry, std::uint32_t triangle, const Vec3f& direction, float footprintMm,
-                                const ShellLight* lights, int lightCount, PixelSampler& sampler) {
+                                const ShellLight* lights, int lightCount, PixelSampler& sampler,
+                                const ShellSpan& span) {
     const ShellObject& o = object_;
     // Nothing is drawn where there is nothing to choose.
     const bool choose = tiles_.size() > 1 && footprintMm > 0;
@@ -71,11 +122,13 @@ ShellRadiance ShellMarch::march(const Vec3f& entry, std::uint32_t triangle, cons
     Ray ray;
     ray.origin = entry;
     ray.direction = direction;
-    ray.tNear = 1e-3f * o.grid->voxelSize();
+    ray.tNear = span.fromWithin ? 0.0f : 1e-3f * o.grid->voxelSize();
     const bool bounded = o.rayMesh->intersect(ray, result.exit, 3);
-    const float tEnd = bounded ? result.exit.t : 4 * o.thicknessMm / o.mmPerUnit; // an open surface has no other side
+    const float tBound = bounded ? result.exit.t : 4 * o.thicknessMm / o.mmPerUnit; // an open surface has no other side
+    const float tEnd = std::min(tBound, span.stop);
     result.tExit = tEnd;
-    result.throughSurface = bounded && result.exit.geometry == 0;
+    result.stopped = span.stop < tBound;
+    result.throughSurface = bounded && result.exit.geometry == 0 && !result.stopped;
 
     ShellPlace place;
     bool goesOn = true;
@@ -83,7 +136,7 @@ ShellRadiance ShellMarch::march(const Vec3f& entry, std::uint32_t triangle, cons
         const float t1 = std::min(t0 + step, tEnd), middle = 0.5f * (t0 + t1);
         const Vec3f point = entry + direction * middle;
         if (place.find(probe_, point, core_, level)) {
-            if (!place.known && t0 == 0) {
+            if (!place.known && t0 == 0 && !span.fromWithin) {
                 place.enterHere(direction, middle, step, o.mmPerUnit);
             }
             place.known = true;
@@ -106,7 +159,7 @@ ShellRadiance ShellMarch::march(const Vec3f& entry, std::uint32_t triangle, cons
     result.single = collected.single;
     result.multiple = collected.multiple;
     result.transmittance = tile.transmittance();
-    if (goesOn && bounded && !result.throughSurface) {
+    if (goesOn && bounded && !result.throughSurface && !result.stopped) {
         result.reachedCore = true;
         if (place.known && !o.coreBlack) {
             result.core = result.transmittance * place.at.coreRadiance;
