@@ -72,7 +72,13 @@ bool ShellMarch::coreHolds(const Vec3f& point, const Vec3f& direction, Rgb& radi
     }
     ShellLookup at;
     probe_.enter(hit.triangle);
-    radiance = probe_.lookup(point + direction * hit.t, at, core_) ? at.coreRadiance : Rgb(0.0f);
+    radiance = Rgb(0.0f);
+    if (probe_.lookup(point + direction * hit.t, at, core_)) {
+        Vec3f below = topOfTile(object_, at.exemplar);
+        below.z = float(object_.medium->size().z) - 0.5f;
+        const float ior = object_.medium->refracts() ? object_.medium->ior(below) : 1.0f; // which the core has too
+        radiance = at.coreRadiance / (ior * ior);
+    }
     return true;
 }
 

@@ -47,7 +47,8 @@ public:
     /// Whether a point lies between the surface and the inner boundary, as seen along a direction (unit); what the
     /// grid has there.
     bool holds(const Vec3f& point, const Vec3f& direction, ShellLookup& at);
-    /// Whether it lies in the core of a closed shell, and the radiance that leaves the core where the direction leads.
+    /// Whether it lies in the core of a closed shell, and the radiance over n^2 that leaves the core where the direction
+    /// leads.
     bool coreHolds(const Vec3f& point, const Vec3f& direction, Rgb& radiance);
     /// Index of refraction around a point that a lookup found, 1 above a relief.
     float iorWithin(const Vec3f& point, const ShellLookup& at) const;
