@@ -2,15 +2,36 @@
 #include "stfLib/render/instance_bounds.h"
 
 #include <algorithm>
+#include <map>
 #include <numeric>
 
 namespace stf {
 
+namespace {
+
+/// The shell of an open surface lies outside of the surface's bounds.
+Box3f boundsOf(const PreparedMesh& mesh) {
+    Box3f box = mesh.surface->bounds;
+    if (mesh.shell) {
+        for (const Vec3f& p : mesh.shell->boundary->inner) {
+            box.add(p);
+        }
+    }
+    return box;
+}
+
+} // namespace
+
 void findOverlaps(std::vector<PreparedInstance>& instances) {
+    std::map<const PreparedMesh*, Box3f> known;
     for (PreparedInstance& i : instances) {
         i.bounds = Box3f();
         i.overlapped = false;
-        const Box3f& box = i.mesh->surface->bounds;
+        const auto [found, isNew] = known.try_emplace(i.mesh.get());
+        if (isNew) {
+            found->second = boundsOf(*i.mesh);
+        }
+        const Box3f& box = found->second;
         for (int c = 0; c < 8 && !box.empty(); ++c) {
             i.bounds.add(
                 i.worldPoint({c & 1 ? box.hi.x : box.lo.x, c & 2 ? box.hi.y : box.lo.y, c & 4 ? box.hi.z : box.lo.z}));
