@@ -25,7 +25,7 @@ double left(double mm) {
 class ShellInterior : public ::testing::Test {
 protected:
     void SetUp() override {
-        settings_.samples = 4;
+        settings_.samples = 64;
         settings_.maxDepth = 0;
         folder_ = std::filesystem::temp_directory_path() /
                   (std::string("stf_interior_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
