@@ -353,42 +353,73 @@ PixelHit Integrator::firstHit(const Bundle& bundle, int which, const Camera& cam
         if (surface == kMaxSurfaces || !(surface > 0 ? rays_.intersect(ray, hit) : bundle.met[which])) {
             return out;
         }
-        if (!PlainShader::isHole(scene_.instances[hit.instance], ray, hit)) {
+        const PreparedInstance& instance = scene_.instances[hit.instance];
+        if (instance.mesh->shell ? seesShell(instance, ray, hit, camera, out)
+                                 : !PlainShader::isHole(instance, ray, hit)) {
             break;
         }
         ray.tNear = hit.t * (1 + 1e-6f) + scene_.shadowOffset;
     }
     const PreparedInstance& instance = scene_.instances[hit.instance];
-    const Surfel s = surfelAt(instance, ray, hit);
-    const Vec3d p = Vec3d(s.point) + scene_.origin;
-    out.depth = float(0.5 * camera.ndcDepth(p) + 0.5);
-    out.cameraDepth = float(camera.viewDepth(p));
-    out.normal = s.normal;
-    out.neye = camera.viewNormal(s.normal);
-    out.position = Vec3f(p);
-    out.albedo = instance.mesh->shell ? s.albedo : PlainShader::albedo(instance, s, hit);
-    if (const ShellObject* shell = instance.mesh->shell.get()) {
-        // The albedo of the first voxel with material, straight down from where the ray enters.
-        ShellProbe probe(*shell->grid, *shell->surface, shell->pose.get());
-        probe.enter(s.triangle);
-        ShellLookup at;
-        if (probe.lookup(s.objectPoint, at)) {
-            const BaseVolume& v = *shell->volume;
-            const int x = TileTracer::wrap(int(std::floor(at.exemplar.x / float(v.voxelMm.x))), v.size.x);
-            const int y = TileTracer::wrap(int(std::floor(at.exemplar.y / float(v.voxelMm.y))), v.size.y);
-            for (int z = 0; z < v.size.z; ++z) {
-                const std::size_t i = v.index(x, y, z);
-                if (maxComponent(v.extinction[i]) > 0) {
-                    out.albedo = v.albedo[i];
-                    break;
-                }
-            }
-        }
-    }
     out.primId = instance.primId;
     out.instanceId = instance.instanceId;
+    if (instance.mesh->shell) {
+        return out;
+    }
+    const Surfel s = surfelAt(instance, ray, hit);
+    setSeen(s.point, s.normal, camera, out);
+    out.albedo = PlainShader::albedo(instance, s, hit);
     out.elementId = instance.mesh->surface->triangleFace[hit.triangle];
     return out;
+}
+
+void Integrator::setSeen(const Vec3f& point, const Vec3f& normal, const Camera& camera, PixelHit& out) const {
+    const Vec3d p = Vec3d(point) + scene_.origin;
+    out.depth = float(0.5 * camera.ndcDepth(p) + 0.5);
+    out.cameraDepth = float(camera.viewDepth(p));
+    out.normal = normal;
+    out.neye = camera.viewNormal(normal);
+    out.position = Vec3f(p);
+}
+
+bool Integrator::seesShell(const PreparedInstance& instance, const Ray& ray, RayHit& hit, const Camera& camera,
+                           PixelHit& out) {
+    const ShellObject& shell = *instance.mesh->shell;
+    const Vec3f scaled(instance.worldToObject.vector(Vec3d(ray.direction)));
+    if (dot(scaled, hit.geometricNormal) >= 0) {
+        return false; // its inside: nothing is there
+    }
+    const Surfel s = surfelAt(instance, ray, hit);
+    ShellMarch& march = marchOf(instance);
+    ReliefSight sight;
+    if (shell.medium->hasSurface()) {
+        const float scale = length(scaled);
+        const ReliefEntry entry{s.objectPoint,
+                                scaled / scale,
+                                normalize(smoothNormal(*shell.surface, hit)),
+                                hit.geometricNormal,
+                                s.triangle,
+                                false,
+                                nullptr};
+        if (!march.firstSight(entry, sight)) {
+            hit.t += sight.travelled / scale * (1 - 1e-4f); // what is behind comes next
+            return false;
+        }
+        if (sight.travelled > 0) {
+            setSeen(instance.worldPoint(sight.point), instance.worldNormal(sight.normal), camera, out);
+            out.elementId = shell.surface->triangleFace[sight.place.known ? sight.place.at.triangle : s.triangle];
+            out.albedo = sight.place.known ? march.albedoAt(sight.place.at, sight.atMm) : s.albedo;
+            return true;
+        }
+    }
+    setSeen(s.point, s.normal, camera, out);
+    out.elementId = shell.surface->triangleFace[hit.triangle];
+    // Of the first voxel with material, straight down from where the ray enters.
+    ShellProbe probe(*shell.grid, *shell.surface, shell.pose.get());
+    probe.enter(s.triangle);
+    ShellLookup at;
+    out.albedo = probe.lookup(s.objectPoint, at) ? march.albedoAt(at, 0) : s.albedo;
+    return true;
 }
 
 } // namespace stf

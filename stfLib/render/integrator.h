@@ -87,6 +87,10 @@ private:
         Integrator* integrator_ = nullptr;
     };
     float indexWithin(const PreparedInstance& instance, const Vec3f& surfacePoint, std::uint32_t triangle);
+    /// What the AOVs say of a shell that a ray meets: of its relief, where it has one. False where the ray passes
+    /// through; `hit` is then where it goes on.
+    bool seesShell(const PreparedInstance& instance, const Ray& ray, RayHit& hit, const Camera& camera, PixelHit& out);
+    void setSeen(const Vec3f& point, const Vec3f& normal, const Camera& camera, PixelHit& out) const;
     ShellMarch& marchOf(const PreparedInstance& instance);
 
     const PreparedScene& scene_;

@@ -256,6 +256,45 @@ ShellExit ReliefMarch::follow(Path path, const ReliefObstacle& obstacle, Rgb& co
     }
 }
 
+bool ReliefMarch::firstSight(const ReliefEntry& entry, ReliefSight& out) {
+    const float mmPerUnit = object_.mmPerUnit, middle = 0.5f * step_;
+    Path path;
+    path.origin = entry.point;
+    path.direction = entry.direction;
+    probe_.enter(entry.triangle);
+    if (path.place.find(probe_, entry.point + entry.direction * middle, core_, level_)) {
+        path.place.known = path.bent = true;
+        path.place.enterHere(entry.direction, middle, step_, mmPerUnit);
+        Vec3f top = path.place.tilePosition(entry.point, perMm_, mmPerUnit);
+        top.z = 0;
+        if (tile_.insideRelief(top)) {
+            out = {entry.point, entry.normal, path.place, 0, 0};
+            return true;
+        }
+    }
+    Ray ray;
+    ray.origin = entry.point;
+    ray.direction = entry.direction;
+    ray.tNear = 1e-3f * object_.grid->voxelSize();
+    RayHit hit;
+    const bool bounded = object_.rayMesh->intersect(ray, hit, 3);
+    const float tEnd = bounded ? hit.t : 4 * object_.thicknessMm / mmPerUnit;
+    ReliefMeeting met;
+    const Leg leg = walkStraight(path, tEnd, met);
+    const bool relief = leg == Leg::Met || path.inside; // or it lies under a sliver that the grid does not hold
+    const bool core = !relief && bounded && hit.geometry == 1;
+    out.travelled = relief ? path.travelled : tEnd;
+    out.point = entry.point + entry.direction * out.travelled;
+    out.place = path.place;
+    out.normal = entry.normal;
+    if (path.place.known) {
+        out.normal = leg == Leg::Met ? path.place.normalOf(met.normal, mmPerUnit) : path.place.at.normal;
+        out.place.carry(out.point - out.place.point, 1, mmPerUnit);
+        out.atMm = out.place.at.depth;
+    }
+    return relief || core;
+}
+
 ReliefRadiance ReliefMarch::march(const ReliefEntry& entry) {
     ReliefRadiance out;
     Path path;

@@ -39,6 +39,15 @@ struct ReliefEntry {
     ReliefObstacle obstacle = nullptr; ///< null: there is nothing else in the shell
 };
 
+/// What a straight way through a shell meets first: the relief, the limit surface where the relief reaches it, or the
+/// inner boundary.
+struct ReliefSight {
+    Vec3f point, normal; ///< object space; unit, outward
+    ShellPlace place;    ///< there
+    float atMm = 0;      ///< depth in the sample from which on there is material
+    float travelled = 0; ///< object units from the entry; where nothing is met, to where the shell is left
+};
+
 /// Follows one camera ray through a shell with a refracting relief: straight to the relief's surface, where it is
 /// split by Fresnel's equations; inside, with radiance divided by n^2, it is refracted out or reflected by chance
 /// wherever it meets the relief or the top again, until it leaves or reaches the core. The mirrored part is followed
@@ -50,6 +59,8 @@ public:
     ReliefMarch(const ShellObject& object, ShellProbe& probe, TileMarch& tile, const Rgb* core, int level,
                 const ShellLight* lights, int lightCount, PixelSampler& sampler);
     ReliefRadiance march(const ReliefEntry& entry);
+    /// Without light. False where the way leads out again.
+    bool firstSight(const ReliefEntry& entry, ReliefSight& out);
 
 private:
     /// A path at some point of the shell, from where it goes on.

@@ -43,6 +43,50 @@ float ShellMarch::iorAt(const Vec3f& point, std::uint32_t triangle) {
     return object_.medium->ior(topOfTile(object_, at.exemplar));
 }
 
+bool ShellMarch::firstSight(const ReliefEntry& entry, ReliefSight& out) {
+    PixelSampler sampler(0, 0, 0); // nothing depends on it
+    tiles_.front().begin(sampler, TileMarch::Shift::None);
+    return ReliefMarch(object_, probe_, tiles_.front(), nullptr, 0, nullptr, 0, sampler).firstSight(entry, out);
+}
+
+Rgb ShellMarch::albedoAt(const ShellLookup& at, float fromMm) const {
+    const BaseVolume& v = *object_.volume;
+    const auto column = [&](float x, float y) {
+        return Vec2f(float(TileTracer::wrap(int(std::floor(x)), v.size.x)),
+                     float(TileTracer::wrap(int(std::floor(y)), v.size.y)));
+    };
+    const Vec3f top = topOfTile(object_, at.exemplar);
+    const Vec2f own = column(top.x, top.y);
+    const int first = std::clamp(int(std::floor(fromMm / float(v.voxelMm.z))), 0, v.size.z - 1);
+    if (object_.blend && !object_.mixers.empty() && object_.mixers.front()) {
+        const Vec3d& mm = v.voxelMm;
+        const BlendPlace place = blendAt(at, {float(1 / mm.x), float(1 / mm.y), float(1 / mm.z)});
+        std::array<std::size_t, 3> columns{};
+        for (std::size_t i = 0; i < 3; ++i) {
+            const Vec2f p =
+                i == 0 ? own
+                       : column(place.origin[i - 1].x + place.alongX[i - 1].x * top.x + place.alongY[i - 1].x * top.y,
+                                place.origin[i - 1].y + place.alongX[i - 1].y * top.x + place.alongY[i - 1].y * top.y);
+            columns[i] = std::size_t(p.x) + std::size_t(v.size.x) * std::size_t(p.y);
+        }
+        const TileMedium::Voxel m = object_.mixers.front()->voxel(columns, place, first);
+        Rgb albedo(0.0f);
+        for (int c = 0; c < 3; ++c) {
+            // Extinction is that of the scaled medium: less what is scattered straight on.
+            const float extinction = m.extinction[c] + m.scattering[c] * (1 - m.keep);
+            albedo[c] = extinction > 0 ? m.scattering[c] / extinction : 0.0f;
+        }
+        return albedo;
+    }
+    for (int z = first; z < v.size.z; ++z) {
+        const std::size_t i = v.index(int(own.x), int(own.y), z);
+        if (maxComponent(v.extinction[i]) > 0) {
+            return v.albedo[i];
+        }
+    }
+    return Rgb(0.0f);
+}
+
 bool ShellMarch::holds(const Vec3f& point, const Vec3f& direction, ShellLookup& at) {
     Ray ray;
     ray.origin = point;

@@ -40,6 +40,13 @@ public:
     ReliefRadiance marchRelief(const ReliefEntry& entry, float footprintMm, const ShellLight* lights, int lightCount,
                                PixelSampler& sampler);
 
+    /// What a ray meets first in a shell with a relief, as its sample is: unshifted, the finest there is. False where
+    /// it leads out again.
+    bool firstSight(const ReliefEntry& entry, ReliefSight& out);
+    /// Albedo of the uppermost material at a place, from a depth (mm) downward; of a blend where there is one. Black
+    /// where there is none.
+    Rgb albedoAt(const ShellLookup& at, float fromMm) const;
+
     /// Index of refraction of a flat shell's material at a point of a triangle of the surface; 1 where the grid has
     /// none.
     float iorAt(const Vec3f& surfacePoint, std::uint32_t triangle);
@@ -47,8 +54,8 @@ public:
     /// Whether a point lies between the surface and the inner boundary, as seen along a direction (unit); what the
     /// grid has there.
     bool holds(const Vec3f& point, const Vec3f& direction, ShellLookup& at);
-    /// Whether it lies in the core of a closed shell, and the radiance over n^2 that leaves the core where the direction
-    /// leads.
+    /// Whether it lies in the core of a closed shell, and the radiance over n^2 that leaves the core where the
+    /// direction leads.
     bool coreHolds(const Vec3f& point, const Vec3f& direction, Rgb& radiance);
     /// Index of refraction around a point that a lookup found, 1 above a relief.
     float iorWithin(const Vec3f& point, const ShellLookup& at) const;
