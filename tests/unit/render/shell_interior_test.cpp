@@ -62,7 +62,7 @@ protected:
         m.uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
         m.uvIndices = {0, 1, 2, 3};
         scene_.setMesh(id, m, 0);
-        scene_.setInstances(id, {MeshInstance()});
+        squares_.push_back(id);
         if (volume.empty()) {
             PreviewSurface s;
             s.diffuseColor = Rgb(0.0f);
@@ -78,15 +78,29 @@ protected:
         scene_.setStf(id, binding);
     }
 
-    /// Mean radiance seen straight down (or up) from a height.
-    double seen(double height, bool up = false) {
+    /// Mean radiance seen straight down (or up) from a height, all of the scene moved by a map.
+    double seen(double height, bool up = false, const Transform& map = {}) {
+        for (const std::string& id : squares_) {
+            MeshInstance instance;
+            instance.objectToWorld = map;
+            scene_.setInstances(id, {instance});
+        }
         Renderer renderer;
         renderer.setSettings(settings_);
         const double way = up ? -1 : 1, reach = 50;
         // Rows: right, up and back of the camera as columns.
         const Matrix4 view{1, 0, 0, 0, 0, way, 0, 0, 0, 0, way, 0, 0, 0, -height * way, 1};
         const Matrix4 projection{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -2 / reach, 0, 0, 0, -1, 1};
-        renderer.setCamera(Camera(view, projection), 4, 4);
+        const Transform back = map.inverse();
+        const Vec3d rows[4] = {back.x, back.y, back.z, back.translation};
+        Matrix4 moved{};
+        for (std::size_t i = 0; i < 4; ++i) {
+            for (std::size_t k = 0; k < 4; ++k) {
+                moved[4 * i + k] = rows[i].x * view[k] + rows[i].y * view[4 + k] + rows[i].z * view[8 + k] +
+                                   (i == 3 ? view[12 + k] : 0.0);
+            }
+        }
+        renderer.setCamera(Camera(moved, projection), 4, 4);
         renderer.setClearColor(Rgb(float(kBackdrop)), 1);
         Progress progress;
         renderer.prepare(scene_, progress);
@@ -107,6 +121,7 @@ protected:
     static constexpr double kBackdrop = 0.4;
     RenderSettings settings_;
     Scene scene_;
+    std::vector<std::string> squares_;
     std::filesystem::path folder_;
     std::string volume_;
 };
@@ -154,6 +169,29 @@ TEST_F(ShellInterior, ALampInAShellIsSeenFromInsideToo) {
     addSquare("/plate", 0, 0, volume_);
     addSquare("/lamp", -1.5f, 2);
     EXPECT_NEAR(seen(-0.5), glow(1) + 2 * left(1), 2e-3);
+}
+
+// Optics happen in object space: whatever map an instance has, the same object's ray sees the same.
+TEST_F(ShellInterior, AnyTransformShowsTheSame) {
+    struct Case {
+        const char* name;
+        Transform map;
+    };
+    const double c = std::cos(0.7), s = std::sin(0.7);
+    const Transform turned{{c, s, 0}, {-s, 0.6 * c, 0.8}, {0.3, -0.4, 0.9}, {1, 2, 3}}; // and sheared
+    const auto scaled = [](double x, double y, double z) { return Transform{{x, 0, 0}, {0, y, 0}, {0, 0, z}, {}}; };
+    Transform far = turned, tinyFar = scaled(0.1, 0.1, 0.1);
+    far.translation = {1e6, -2e6, 5e5};
+    tinyFar.translation = {1e6, 1e6, 1e6};
+    addSquare("/plate", 0, 0, volume_);
+    addSquare("/lamp", -0.75f, 2);
+    for (const Case& i : {Case{"turned, sheared", turned}, Case{"mirrored", scaled(-1, 1, 1)},
+                          Case{"mirrored through the plate", scaled(1, 1, -1)}, Case{"flat", scaled(3, 1, 0.01)},
+                          Case{"tall", scaled(0.2, 1, 300)}, Case{"1e-6", scaled(1e-6, 1e-6, 1e-6)},
+                          Case{"1e6", scaled(1e6, 1e6, 1e6)}, Case{"far", far}, Case{"small and far", tinyFar}}) {
+        EXPECT_NEAR(seen(10, false, i.map), glow(0.75) + 2 * left(0.75), 2e-3) << i.name;
+        EXPECT_NEAR(seen(-0.5, false, i.map), glow(0.25) + 2 * left(0.25), 2e-3) << i.name << ", from inside";
+    }
 }
 
 } // namespace
