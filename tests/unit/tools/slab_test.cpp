@@ -251,6 +251,22 @@ TEST(SlabTable, ViewsAreReciprocal) {
     EXPECT_THROW(parsed({"--method", "stf", "--view", "1.5"}), CLI::ValidationError);
 }
 
+// Light that grazes a refracting top: Fresnel's fall is not left to the interpolation between directions.
+TEST(SlabTable, GrazingLightEntersByFresnel) {
+    for (const double mu : {0.05, 0.2}) {
+        const std::vector<std::string> slab = {"--tau", "1",     "--albedo", "1",           "--core-albedo",
+                                               "0",     "--ior", "1.5",      "--incidence", text(mu)};
+        std::vector<std::string> words = slab;
+        words.insert(words.end(), {"--photons", "20000", "--quality", "0.005"});
+        const SlabResult table = tabulated(words);
+        words = slab;
+        words.insert(words.end(), {"--photons", "400000"});
+        const SlabResult walks = walked(words);
+        expectWithin(table.a, std::hypot(table.aError, walks.aError), walks.a, 4, 0.01 * walks.a); // into the core
+        expectWithin(table.r, std::hypot(table.rError, walks.rError), walks.r, 4, 0.003);
+    }
+}
+
 TEST(SlabTable, ShellOverACore) {
     const SlabResult s = tabulated(
         {"--tau", "2", "--albedo", "0.9", "--core-albedo", "0.99", "--photons", "20000", "--quality", "0.02"});
