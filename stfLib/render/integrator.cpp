@@ -20,10 +20,10 @@ constexpr float kFaint = 0.25f;
 } // namespace
 
 ShellMarch& Integrator::marchOf(const PreparedInstance& instance) {
-    std::unique_ptr<ShellMarch>& march = marches_[std::size_t(&instance - scene_.instances.data())];
+    std::unique_ptr<ShellMarch>& march = marches_[instance.index];
     if (!march) {
-        march =
-            std::make_unique<ShellMarch>(*instance.mesh->shell, instance.core.empty() ? nullptr : instance.core.data());
+        const std::vector<Rgb>& core = scene_.instances[instance.index].core;
+        march = std::make_unique<ShellMarch>(*instance.mesh->shell, core.empty() ? nullptr : core.data());
     }
     return *march;
 }
@@ -117,7 +117,8 @@ Ray Integrator::leaveShell(const PreparedInstance& instance, const Surfel& entry
     return ray;
 }
 
-PixelSample Integrator::sample(const Ray& first, const RayCone& cone, PixelSampler& sampler) {
+PixelSample Integrator::sample(const Ray& first, const RayCone& cone, PixelSampler& sampler, float time) {
+    rays_.setTime(time);
     PixelSample out;
     LightPath path;
     path.ray = first;
@@ -165,7 +166,7 @@ PixelSample Integrator::sample(const Ray& first, const RayCone& cone, PixelSampl
             }
             throughput /= chance;
         }
-        const PreparedInstance& instance = scene_.instances[hit.instance];
+        const PreparedInstance& instance = rays_.instance(hit.instance);
         const Surfel surfel = surfelAt(instance, ray, hit);
         const ShellObject* shell = instance.mesh->shell.get();
         if (!shell) {
@@ -275,18 +276,19 @@ PixelSample Integrator::sample(const Ray& first, const RayCone& cone, PixelSampl
 }
 
 PixelHit Integrator::firstHit(Ray ray, const Camera& camera) {
+    rays_.setTime(0.5f);
     PixelHit out;
     RayHit hit;
     for (int surface = 0;; ++surface) {
         if (surface == kMaxSurfaces || !rays_.intersect(ray, hit)) {
             return out;
         }
-        if (!PlainShader::isHole(scene_.instances[hit.instance], ray, hit)) {
+        if (!PlainShader::isHole(rays_.instance(hit.instance), ray, hit)) {
             break;
         }
         ray.tNear = hit.t * (1 + 1e-6f) + scene_.shadowOffset;
     }
-    const PreparedInstance& instance = scene_.instances[hit.instance];
+    const PreparedInstance& instance = rays_.instance(hit.instance);
     const Surfel s = surfelAt(instance, ray, hit);
     const Vec3d p = Vec3d(s.point) + scene_.origin;
     out.depth = float(0.5 * camera.ndcDepth(p) + 0.5);

@@ -166,7 +166,7 @@ LightSample PlainShader::bounced(const Vec3f& origin, const Vec3f& normal, Pixel
     if (!rays_.intersect(ray, hit)) {
         return light;
     }
-    const PreparedInstance& instance = scene_.instances[hit.instance];
+    const PreparedInstance& instance = rays_.instance(hit.instance);
     if (instance.mesh->shell) {
         return light;
     }

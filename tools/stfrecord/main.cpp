@@ -12,6 +12,7 @@
 #include "pxr/base/tf/stringUtils.h"
 #include "pxr/usd/usdGeom/metrics.h"
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -147,11 +148,24 @@ private:
     }
 
     bool bindOutputs() {
-        const std::vector<std::string> unknown = host_.setOutputs(options_.aovs, options_.imageWidth, height_);
+        HdStfWindow window = {0, 0, options_.imageWidth, height_};
+        if (options_.crop) {
+            const auto& c = *options_.crop;
+            window = HdStfDataWindow(GfVec4f(c[0], c[1], c[2], c[3]), options_.imageWidth, height_);
+        }
+        if (window.IsEmpty()) {
+            console_.message("error", "--crop leaves no pixel of the frame", true);
+            return false;
+        }
+        std::vector<std::string> aovs = options_.aovs;
+        if (options_.denoise && std::find(aovs.begin(), aovs.end(), "denoised") == aovs.end()) {
+            aovs.push_back("denoised");
+        }
+        const std::vector<std::string> unknown = host_.setOutputs(aovs, options_.imageWidth, height_, window);
         for (const std::string& aov : unknown) {
             console_.message("error", "the renderer has no AOV \"" + aov + "\"; it is left out", true);
         }
-        return unknown.size() < options_.aovs.size();
+        return unknown.size() < aovs.size();
     }
 
     bool write(double frame, double seconds) {
