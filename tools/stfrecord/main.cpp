@@ -97,7 +97,10 @@ public:
 
     ExitCode run() {
         const std::vector<double>& frames = options_.frames;
-        const UsdTimeCode first = frames.empty() ? UsdTimeCode::EarliestTime() : UsdTimeCode(frames[0]);
+        // The start where there is one: shutters need a time that is a number.
+        const UsdTimeCode first = !frames.empty()                      ? UsdTimeCode(frames[0])
+                                  : stage_->HasAuthoredTimeCodeRange() ? UsdTimeCode(stage_->GetStartTimeCode())
+                                                                       : UsdTimeCode::EarliestTime();
         camera_ = chooseCamera(stage_, options_, first, console_);
         if (camera_.IsEmpty()) {
             return BadUsage;
