@@ -50,7 +50,8 @@ int Integrator::lightsOnShell(const PreparedInstance& instance, const Surfel& su
             if (!(maxComponent(light.irradiance) > 0)) {
                 continue;
             }
-            const Rgb irradiance = light.irradiance * (picks[i].weight / float(directions));
+            const float share = indirect ? PlainShader::besideBounced(light, surfel.normal, directions) : 1.0f;
+            const Rgb irradiance = light.irradiance * (share * picks[i].weight / float(directions));
             const Rgb exact = visible(surfel.shadowOrigin, light);
             const Vec3f moved = jitterOnSurface(*instance.mesh->rayMesh, surfel.shadowOrigin, objectNormal,
                                                 shell.blurRadiusMm / shell.mmPerUnit, disc[k]);
@@ -65,7 +66,8 @@ int Integrator::lightsOnShell(const PreparedInstance& instance, const Surfel& su
     }
     if (indirect) {
         const Vec3f from(instance.objectToWorld.point(Vec3d(surfel.shadowOrigin + objectNormal * offset)));
-        const LightSample light = plain_.bounced(from + surfel.normal * scene_.rounding, surfel.normal, sampler);
+        const LightSample light =
+            plain_.bounced(from + surfel.normal * scene_.rounding, surfel.normal, kNearDirections, sampler);
         if (maxComponent(light.irradiance) > 0) {
             const Vec3f towards = normalize(Vec3f(instance.worldToObject.vector(Vec3d(light.towards))));
             lights[count++] = {towards, light.irradiance, light.irradiance};
@@ -158,6 +160,7 @@ PixelSample Integrator::sample(const Ray& first, const RayCone& cone, PixelSampl
             return out;
         }
         if (path.lightsOnly) {
+            add(throughput * plain_.lightMet(path, rays_.instance(hit.instance), hit), path.bounced);
             return out;
         }
         if (const float chance = maxComponent(throughput) / kFaint; !path.seen() && chance < 1) {

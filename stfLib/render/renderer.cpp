@@ -67,6 +67,7 @@ struct Renderer::Impl {
 
     void prepareMesh(const std::string& id, const SceneMesh& m, double metersPerUnit, Kept& kept, Progress& progress);
     void placeInstances(const Scene& source);
+    std::size_t placeLights();
     void planSurfaces();
     void planCamera(const Scene& source);
     void chooseCamera();
@@ -178,6 +179,20 @@ std::shared_ptr<const PlainMaterial> Renderer::Impl::materialOf(const SceneMesh&
                                                      [this](Severity s, const std::string& text) { say(s, text); });
     }
     return made;
+}
+
+// Lights where the scene is, and the meshes that shine, as far as samples of them agree with rays that meet them: the
+// same all over, whole, at rest. The others give light to whom they meet. How many meshes.
+std::size_t Renderer::Impl::placeLights() {
+    std::vector<MeshEmitter> emitters;
+    for (const PreparedInstance& i : scene->instances) {
+        const PlainMaterial* const m = i.material.get();
+        if (m && m->emits() && m->opaque() && i.motion.empty() && !m->surface().emissiveColor.texture) {
+            emitters.push_back({i.mesh->surface, i.objectToWorld, m->emission(), i.index});
+        }
+    }
+    scene->lights.place(scene->origin, emitters);
+    return scene->lights.meshCount();
 }
 
 // Which surfaces there are beside shells, and what of their light is followed.
@@ -429,13 +444,15 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
         s.scene->lights = LightSet(source.lights(), [&](Severity v, const std::string& text) { s.say(v, text); });
         s.lightVersion = source.lightVersion();
     }
-    s.scenePlan.push_back(
-        {"scene", "lights", s.scene->lights.count() > 0,
-         std::to_string(s.scene->lights.count()) + " of " + std::to_string(source.lights().size()) + " give light", 0});
     s.placeInstances(source);
     s.planSurfaces();
     s.planCamera(source);
-    s.scene->lights.place(s.scene->origin);
+    const std::size_t emitters = s.placeLights();
+    s.scenePlan.push_back({"scene", "lights", s.scene->lights.count() > 0,
+                           std::to_string(s.scene->lights.count() - emitters) + " of " +
+                               std::to_string(source.lights().size()) +
+                               " give light, meshes that do: " + std::to_string(emitters),
+                           0});
     s.builder.dropUnused();
     const auto emits = [](const PreparedInstance& i) { return i.mesh->shell && i.mesh->shell->medium->emits(); };
     const std::vector<PreparedInstance>& instances = s.scene->instances;
