@@ -103,7 +103,7 @@ Rgb PlainShader::direct(const Vertex& v, const PreviewBsdf& bsdf, int domeDirect
 
 // What a path takes of the emission that it meets: samples of lights find the meshes among them as well.
 float PlainShader::emissionShare(const LightPath& path, const PreparedInstance& instance, const RayHit& hit) const {
-    if (path.seen() || path.lights == LightPath::Lights::All) {
+    if (path.seen() || path.lights == LightPath::Lights::All || scene_.lights.meshCount() == 0) {
         return 1;
     }
     const Vec3f facet = normalize(Vec3f(instance.objectToWorld.normal(Vec3d(hit.geometricNormal))));

@@ -20,7 +20,8 @@ namespace stf {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr int kTile = 16; // pixels
+constexpr int kTile = 16;                              // pixels
+constexpr std::size_t kMostEmitterTriangles = 8000000; // eight bytes each
 
 double since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
@@ -185,9 +186,16 @@ std::shared_ptr<const PlainMaterial> Renderer::Impl::materialOf(const SceneMesh&
 // same all over, whole, at rest. The others give light to whom they meet. How many meshes.
 std::size_t Renderer::Impl::placeLights() {
     std::vector<MeshEmitter> emitters;
+    std::size_t triangles = 0;
     for (const PreparedInstance& i : scene->instances) {
         const PlainMaterial* const m = i.material.get();
         if (m && m->emits() && m->opaque() && i.motion.empty() && !m->surface().emissiveColor.texture) {
+            triangles += i.mesh->surface->triangles.size();
+            if (triangles > kMostEmitterTriangles) {
+                say(Severity::Warning, "meshes that shine have more than " + std::to_string(kMostEmitterTriangles) +
+                                           " triangles: the rest of them is found by bounces alone");
+                break;
+            }
             emitters.push_back({i.mesh->surface, i.objectToWorld, m->emission(), i.index});
         }
     }

@@ -13,7 +13,8 @@ namespace {
 
 TEST(Denoiser, SaysWhyItIsNotThere) {
     std::string why = "untouched";
-    EXPECT_EQ(Denoiser::available(&why), why.empty());
+    const bool available = Denoiser::available(&why);
+    EXPECT_EQ(available, why.empty());
     DenoiserInput wrong;
     wrong.width = wrong.height = 2;
     wrong.color.resize(5);
@@ -36,7 +37,8 @@ TEST(Denoiser, TakesTheNoiseAway) {
         const bool right = i % kSize >= kSize / 2;
         truth.push_back(right ? 8.0 : 2.0);
         for (int c = 0; c < 3; ++c) {
-            in.color.push_back(float(truth.back() * (0.5 + double(rng.uniform())))); // uniform, deviation 0.29 of the mean
+            in.color.push_back(
+                float(truth.back() * (0.5 + double(rng.uniform())))); // uniform, deviation 0.29 of the mean
             in.albedo.push_back(right ? 0.8f : 0.2f);
             in.normal.push_back(c == 2 ? 1.0f : 0.0f);
         }
