@@ -241,6 +241,7 @@ nlohmann::ordered_json run(const Arguments& a) {
             for (std::size_t p = 0; p < pixels.size(); p += kMostTogether) {
                 Integrator::Bundle bundle;
                 for (std::size_t i = p; i < std::min(pixels.size(), p + kMostTogether); ++i) {
+                    bundle.time[bundle.count] = 0.5f;
                     bundle.ray[bundle.count++] = rayOf(pixels[i]);
                 }
                 integrator.meet(bundle);

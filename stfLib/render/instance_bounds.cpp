@@ -33,8 +33,11 @@ void findOverlaps(std::vector<PreparedInstance>& instances) {
         }
         const Box3f& box = found->second;
         for (int c = 0; c < 8 && !box.empty(); ++c) {
-            i.bounds.add(
-                i.worldPoint({c & 1 ? box.hi.x : box.lo.x, c & 2 ? box.hi.y : box.lo.y, c & 4 ? box.hi.z : box.lo.z}));
+            const Vec3f corner{c & 1 ? box.hi.x : box.lo.x, c & 2 ? box.hi.y : box.lo.y, c & 4 ? box.hi.z : box.lo.z};
+            i.bounds.add(i.worldPoint(corner));
+            for (const Transform& step : i.motion) { // points go straight from one to the next
+                i.bounds.add(Vec3f(step.point(Vec3d(corner))));
+            }
         }
     }
     // In the order of their lower ends along x only those that begin before another ends can overlap it.

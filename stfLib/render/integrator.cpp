@@ -17,10 +17,10 @@ constexpr float kFaint = 0.25f;
 } // namespace
 
 ShellMarch& Integrator::marchOf(const PreparedInstance& instance) {
-    std::unique_ptr<ShellMarch>& march = marches_[std::size_t(&instance - scene_.instances.data())];
+    std::unique_ptr<ShellMarch>& march = marches_[instance.index];
     if (!march) {
-        march =
-            std::make_unique<ShellMarch>(*instance.mesh->shell, instance.core.empty() ? nullptr : instance.core.data());
+        const std::vector<Rgb>& core = scene_.instances[instance.index].core;
+        march = std::make_unique<ShellMarch>(*instance.mesh->shell, core.empty() ? nullptr : core.data());
     }
     return *march;
 }
@@ -47,7 +47,8 @@ int Integrator::lightsOnShell(const PreparedInstance& instance, const Surfel& su
             if (!(maxComponent(light.irradiance) > 0)) {
                 continue;
             }
-            const Rgb irradiance = light.irradiance * (picks[i].weight / float(directions));
+            const float share = indirect ? PlainShader::besideBounced(light, surfel.normal, directions) : 1.0f;
+            const Rgb irradiance = light.irradiance * (share * picks[i].weight / float(directions));
             const Rgb exact = visible(surfel.shadowOrigin, light);
             const Vec3f moved = jitterOnSurface(*instance.mesh->rayMesh, surfel.shadowOrigin, objectNormal,
                                                 shell.blurRadiusMm / shell.mmPerUnit, disc[k]);
@@ -62,7 +63,8 @@ int Integrator::lightsOnShell(const PreparedInstance& instance, const Surfel& su
     }
     if (indirect) {
         const Vec3f from = instance.worldPoint(surfel.shadowOrigin + objectNormal * offset);
-        const LightSample light = plain_.bounced(from + surfel.normal * scene_.rounding, surfel.normal, sampler);
+        const LightSample light =
+            plain_.bounced(from + surfel.normal * scene_.rounding, surfel.normal, kNearDirections, sampler);
         if (maxComponent(light.irradiance) > 0) {
             const Vec3f towards = instance.objectDirection(light.towards);
             lights[count++] = {towards, light.irradiance, light.irradiance};
@@ -126,6 +128,7 @@ Ray Integrator::leaveShell(const PreparedInstance& instance, const Vec3f& entry,
 }
 
 PixelSample Integrator::sample(const Bundle& bundle, int i, const RayCone& cone, PixelSampler& sampler) {
+    rays_.setTime(bundle.time[i]);
     PixelSample out;
     LightPath path;
     path.ray = bundle.ray[i];
@@ -205,6 +208,7 @@ PixelSample Integrator::sample(const Bundle& bundle, int i, const RayCone& cone,
             return out;
         }
         if (path.lightsOnly) {
+            add(throughput * plain_.lightMet(path, rays_.instance(hit.instance), hit), path.bounced);
             return out;
         }
         if (const float chance = maxComponent(throughput) / kFaint; !path.seen() && chance < 1) {
@@ -213,7 +217,7 @@ PixelSample Integrator::sample(const Bundle& bundle, int i, const RayCone& cone,
             }
             throughput /= chance;
         }
-        const PreparedInstance& instance = scene_.instances[hit.instance];
+        const PreparedInstance& instance = rays_.instance(hit.instance);
         const Surfel surfel = surfelAt(instance, ray, hit);
         const ShellObject* shell = instance.mesh->shell.get();
         const WayOutGuard wayOut(*this, path, sampler);
@@ -346,6 +350,7 @@ PixelSample Integrator::sample(const Bundle& bundle, int i, const RayCone& cone,
 }
 
 PixelHit Integrator::firstHit(const Bundle& bundle, int which, const Camera& camera) {
+    rays_.setTime(bundle.time[which]);
     PixelHit out;
     Ray ray = bundle.ray[which];
     RayHit hit = bundle.hit[which];
@@ -353,14 +358,14 @@ PixelHit Integrator::firstHit(const Bundle& bundle, int which, const Camera& cam
         if (surface == kMaxSurfaces || !(surface > 0 ? rays_.intersect(ray, hit) : bundle.met[which])) {
             return out;
         }
-        const PreparedInstance& instance = scene_.instances[hit.instance];
+        const PreparedInstance& instance = rays_.instance(hit.instance);
         if (instance.mesh->shell ? seesShell(instance, ray, hit, camera, out)
                                  : !PlainShader::isHole(instance, ray, hit)) {
             break;
         }
         ray.tNear = hit.t * (1 + 1e-6f) + scene_.shadowOffset;
     }
-    const PreparedInstance& instance = scene_.instances[hit.instance];
+    const PreparedInstance& instance = rays_.instance(hit.instance);
     out.primId = instance.primId;
     out.instanceId = instance.instanceId;
     if (instance.mesh->shell) {

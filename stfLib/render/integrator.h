@@ -23,10 +23,13 @@ public:
         Ray ray[kMostTogether];
         RayHit hit[kMostTogether];
         bool met[kMostTogether];
+        float time[kMostTogether]; ///< of the exposure, 0 to 1: all rays of the path are then
         int count = 0;
     };
     /// Fills in what the bundle's rays meet.
-    void meet(Bundle& bundle) { rays_.intersectTogether(bundle.ray, bundle.count, bundle.hit, bundle.met); }
+    void meet(Bundle& bundle) {
+        rays_.intersectTogether(bundle.ray, bundle.time, bundle.count, bundle.hit, bundle.met);
+    }
     /// A sample of a pixel along the i-th ray of a bundle. `cone`: of the pixel, so that shells are read no finer than
     /// it sees.
     PixelSample sample(const Bundle& bundle, int i, const RayCone& cone, PixelSampler& sampler);

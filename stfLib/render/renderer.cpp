@@ -4,8 +4,10 @@
 #include "stfLib/base/parallel.h"
 #include "stfLib/render/adaptive_sampling.h"
 #include "stfLib/render/core_light.h"
+#include "stfLib/render/denoiser.h"
 #include "stfLib/render/instance_bounds.h"
 #include "stfLib/render/integrator.h"
+#include "stfLib/render/pixel_filter.h"
 #include "stfLib/render/shell_builder.h"
 #include "stfLib/transport/precompute.h"
 
@@ -20,8 +22,9 @@ namespace stf {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr int kTile = 16; // pixels
-constexpr int kBlock = 4; // pixels, of rays that are traced together
+constexpr int kTile = 16;                              // pixels
+constexpr std::size_t kMostEmitterTriangles = 8000000; // eight bytes each
+constexpr int kBlock = 4;                              // pixels, of rays that are traced together
 static_assert(kBlock * kBlock == kMostTogether && kTile % kBlock == 0);
 
 double since(Clock::time_point start) {
@@ -34,9 +37,13 @@ std::shared_ptr<const StfTable> computeTable(const std::shared_ptr<const BaseVol
     return std::make_shared<const StfTable>(precompute(*volume, options, progress, messages));
 }
 
-// Inverse of the tent's distribution function: samples spread over two pixels, each counts the same.
-float tent(float u) {
-    return u < 0.5f ? std::sqrt(2 * u) - 1 : 1 - std::sqrt(2 - 2 * u);
+PixelFilter filterOf(const RenderSettings& settings) {
+    PixelFilter::Shape shape = PixelFilter::Shape::Box;
+    if (!PixelFilter::shapeFromName(settings.pixelFilter, shape)) {
+        throw Error("no pixel filter \"" + settings.pixelFilter +
+                    "\"; there are box, triangle, gaussian, blackmanHarris");
+    }
+    return PixelFilter(shape, settings.pixelFilterWidth);
 }
 
 } // namespace
@@ -65,9 +72,17 @@ struct Renderer::Impl {
 
     void prepareMesh(const std::string& id, const SceneMesh& m, double metersPerUnit, Kept& kept, Progress& progress);
     void placeInstances(const Scene& source);
+    std::size_t placeLights();
     void planSurfaces();
+    void planCamera(const Scene& source);
+    void chooseCamera();
+    std::uint64_t pixelNumber(int x, int y) const;
+    bool blursMotion() const {
+        return camera.moves() || std::any_of(scene->instances.begin(), scene->instances.end(),
+                                             [](const PreparedInstance& i) { return !i.motion.empty(); });
+    }
     std::shared_ptr<const PlainMaterial> materialOf(const SceneMesh& mesh, const Scene& source);
-    void sampleBlock(Integrator& integrator, int x0, int y0, std::uint32_t pass, const RayCone& cone);
+    void sampleBlock(Integrator& integrator, int x0, int y0, std::uint32_t pass, const RayCone& cone, bool motion);
     void restartSampling() {
         adaptive.restart(film.width(), film.height());
         passDone.assign(std::size_t(film.width()) * std::size_t(film.height()), 0);
@@ -78,7 +93,9 @@ struct Renderer::Impl {
     std::set<std::string> said;
 
     RenderSettings settings;
-    Camera camera;
+    PixelFilter filter;
+    Camera givenCamera, camera; ///< as the host says, and as the settings have it
+    FrameWindow window;
     Film film;
     ShellBuilder builder;
     std::map<std::string, Kept> kept;
@@ -88,6 +105,8 @@ struct Renderer::Impl {
     Rgb clearColor{0.0f};
     float clearAlpha = 0;
     std::uint64_t preparedVersion = 0, lightVersion = 0;
+    Shutter preparedShutter;
+    bool hasMotion = false;          ///< some instance has samples of its way
     RenderSettings preparedSettings; ///< tables depend on quality and form, the core's samples on the seed
     int passes = 0;
     AdaptiveSampling adaptive;
@@ -168,6 +187,27 @@ std::shared_ptr<const PlainMaterial> Renderer::Impl::materialOf(const SceneMesh&
     return made;
 }
 
+// Lights where the scene is, and the meshes that shine, as far as samples of them agree with rays that meet them: the
+// same all over, whole, at rest. The others give light to whom they meet. How many meshes.
+std::size_t Renderer::Impl::placeLights() {
+    std::vector<MeshEmitter> emitters;
+    std::size_t triangles = 0;
+    for (const PreparedInstance& i : scene->instances) {
+        const PlainMaterial* const m = i.material.get();
+        if (m && m->emits() && m->opaque() && i.motion.empty() && !m->surface().emissiveColor.texture) {
+            triangles += i.mesh->surface->triangles.size();
+            if (triangles > kMostEmitterTriangles) {
+                say(Severity::Warning, "meshes that shine have more than " + std::to_string(kMostEmitterTriangles) +
+                                           " triangles: the rest of them is found by bounces alone");
+                break;
+            }
+            emitters.push_back({i.mesh->surface, i.objectToWorld, m->emission(), i.index});
+        }
+    }
+    scene->lights.place(scene->origin, emitters);
+    return scene->lights.meshCount();
+}
+
 // Which surfaces there are beside shells, and what of their light is followed.
 void Renderer::Impl::planSurfaces() {
     scenePlan.erase(std::remove_if(scenePlan.begin(), scenePlan.end(),
@@ -204,6 +244,56 @@ void Renderer::Impl::planSurfaces() {
                          : plain ? "stf:maxDepth is 0"
                                  : "no surface without a shell",
                          0});
+}
+
+// What of the host's camera the settings let through.
+void Renderer::Impl::chooseCamera() {
+    camera = settings.depthOfField ? givenCamera : givenCamera.pinhole();
+    if (!settings.motionBlur) {
+        camera = camera.atRest();
+    }
+    film.setExposure(std::exp2(camera.optics().exposure));
+}
+
+// A pixel's random numbers go by its place in the frame, so that a window shows the same as the whole.
+std::uint64_t Renderer::Impl::pixelNumber(int x, int y) const {
+    const std::int64_t fx = std::int64_t(x) + window.x, fy = std::int64_t(y) + window.y;
+    if (fx >= 0 && fx < window.frameWidth && fy >= 0 && fy < window.frameHeight) {
+        return std::uint64_t(fy) * std::uint64_t(window.frameWidth) + std::uint64_t(fx);
+    }
+    return (std::uint64_t(1) << 63) | (std::uint64_t(std::uint32_t(fy)) << 32) | std::uint64_t(std::uint32_t(fx));
+}
+
+void Renderer::Impl::planCamera(const Scene& source) {
+    scenePlan.erase(std::remove_if(scenePlan.begin(), scenePlan.end(),
+                                   [](const PlanEntry& e) { return e.stage == "lens" || e.stage == "motion"; }),
+                    scenePlan.end());
+    const bool lens = camera.optics().lens.blurs();
+    scenePlan.push_back({"scene", "lens", lens,
+                         lens                                ? "circles of confusion by the camera's lens"
+                         : givenCamera.optics().lens.blurs() ? "stf:depthOfField is off"
+                                                             : "the camera is a pinhole",
+                         0});
+    std::size_t moving = 0;
+    for (const PreparedInstance& i : scene->instances) {
+        moving += i.motion.empty() ? 0 : 1;
+    }
+    const bool runs = moving > 0 || camera.moves();
+    const bool open = givenCamera.optics().shutter.blurs();
+    scenePlan.push_back({"scene", "motion", runs,
+                         runs ? std::string(camera.moves() ? "the camera moves" : "the camera is at rest") +
+                                    ", moving instances: " + std::to_string(moving) + " of " +
+                                    std::to_string(scene->instances.size()) +
+                                    "; lights, cores and points are those of the exposure's middle or the frame"
+                         : !open                ? "the shutter opens for no time"
+                         : !settings.motionBlur ? "stf:motionBlur is off"
+                                                : "nothing moves while the shutter is open",
+                         0});
+    preparedShutter = camera.optics().shutter;
+    hasMotion = std::any_of(source.meshes().begin(), source.meshes().end(), [](const auto& m) {
+        return std::any_of(m.second.instances.begin(), m.second.instances.end(),
+                           [](const MeshInstance& i) { return i.motion.size() > 1; });
+    });
 }
 
 void Renderer::Impl::placeInstances(const Scene& source) {
@@ -254,13 +344,27 @@ void Renderer::Impl::placeInstances(const Scene& source) {
             }
             p.objectToWorld = i.objectToWorld;
             p.objectToWorld.translation -= scene->origin;
+            p.motion = motionSteps(i.motion, camera.optics().shutter);
+            if (!std::all_of(p.motion.begin(), p.motion.end(), [](const Transform& t) { return t.invertible(); })) {
+                say(Severity::Warning,
+                    id + ": its transform is singular or not finite while the shutter is open, it is not blurred");
+                p.motion.clear();
+            }
+            for (Transform& step : p.motion) {
+                step.translation -= scene->origin;
+            }
+            if (!p.motion.empty()) {
+                p.objectToWorld = atTime(p.motion, 0.5f);
+            }
             p.worldToObject = p.objectToWorld.inverse();
             p.primId = m.primId;
             p.instanceId = i.instanceId;
+            p.index = std::uint32_t(scene->instances.size());
             RayInstance r;
             r.mesh = p.mesh->rayMesh;
             r.objectToWorld = p.objectToWorld;
-            r.id = std::uint32_t(scene->instances.size());
+            r.motion = p.motion;
+            r.id = p.index;
             rays.push_back(r);
             scene->instances.push_back(std::move(p));
         }
@@ -286,14 +390,23 @@ void Renderer::setMessages(MessageSink messages) {
 }
 
 void Renderer::setSettings(const RenderSettings& settings) {
+    impl_->filter = filterOf(settings);
     impl_->settings = settings;
+    impl_->chooseCamera();
 }
 
 void Renderer::setCamera(const Camera& camera, int width, int height) {
-    impl_->camera = camera;
-    if (impl_->film.width() != width || impl_->film.height() != height) {
-        impl_->film.resize(width, height);
-        impl_->restartSampling();
+    setCamera(camera, {width, height, 0, 0, width, height});
+}
+
+void Renderer::setCamera(const Camera& camera, const FrameWindow& window) {
+    Impl& s = *impl_;
+    s.givenCamera = camera;
+    s.chooseCamera();
+    s.window = window;
+    if (s.film.width() != window.width || s.film.height() != window.height) {
+        s.film.resize(window.width, window.height);
+        s.restartSampling();
     }
 }
 
@@ -307,11 +420,13 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
     setThreadCount(s.settings.threads);
     s.prepareStart = Clock::now();
     if (s.scene && source.version() == s.preparedVersion && s.settings.quality == s.preparedSettings.quality &&
-        s.settings.transport == s.preparedSettings.transport && s.settings.seed == s.preparedSettings.seed) {
+        s.settings.transport == s.preparedSettings.transport && s.settings.seed == s.preparedSettings.seed &&
+        (!s.hasMotion || s.camera.optics().shutter == s.preparedShutter)) {
         if (s.settings.maxDepth != s.preparedSettings.maxDepth) {
             s.preparedSettings.maxDepth = s.settings.maxDepth;
             s.planSurfaces(); // all that it changes of what is prepared
         }
+        s.planCamera(source);
         return;
     }
     if (!s.scene) {
@@ -343,12 +458,15 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
         s.scene->lights = LightSet(source.lights(), [&](Severity v, const std::string& text) { s.say(v, text); });
         s.lightVersion = source.lightVersion();
     }
-    s.scenePlan.push_back(
-        {"scene", "lights", s.scene->lights.count() > 0,
-         std::to_string(s.scene->lights.count()) + " of " + std::to_string(source.lights().size()) + " give light", 0});
     s.placeInstances(source);
     s.planSurfaces();
-    s.scene->lights.place(s.scene->origin);
+    s.planCamera(source);
+    const std::size_t emitters = s.placeLights();
+    s.scenePlan.push_back({"scene", "lights", s.scene->lights.count() > 0,
+                           std::to_string(s.scene->lights.count() - emitters) + " of " +
+                               std::to_string(source.lights().size()) +
+                               " give light, meshes that do: " + std::to_string(emitters),
+                           0});
     s.builder.dropUnused();
     const auto emits = [](const PreparedInstance& i) { return i.mesh->shell && i.mesh->shell->medium->emits(); };
     const std::vector<PreparedInstance>& instances = s.scene->instances;
@@ -394,10 +512,12 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
 }
 
 // A pass over neighbouring pixels, whose camera rays are traced together.
-void Renderer::Impl::sampleBlock(Integrator& integrator, int x0, int y0, std::uint32_t pass, const RayCone& cone) {
+void Renderer::Impl::sampleBlock(Integrator& integrator, int x0, int y0, std::uint32_t pass, const RayCone& cone,
+                                 bool motion) {
     const int width = film.width(), height = film.height();
-    const auto rayAt = [&](double x, double y) {
-        return camera.ray(2 * x / width - 1, 2 * y / height - 1, scene->origin);
+    const bool lens = camera.optics().lens.blurs();
+    const auto ndc = [&](double x, double y) {
+        return Vec2d(2 * (x + window.x) / window.frameWidth - 1, 2 * (y + window.y) / window.frameHeight - 1);
     };
     struct Pixel {
         int x, y;
@@ -406,18 +526,31 @@ void Renderer::Impl::sampleBlock(Integrator& integrator, int x0, int y0, std::ui
     Integrator::Bundle middles, bundle;
     for (int y = y0; y < std::min(y0 + kBlock, height); ++y) {
         for (int x = x0; x < std::min(x0 + kBlock, width); ++x) {
-            const std::size_t index = std::size_t(y) * std::size_t(width) + std::size_t(x);
-            if (passDone[index] > pass || !adaptive.active(x, y)) {
+            std::uint32_t& done = passDone[std::size_t(y) * std::size_t(width) + std::size_t(x)];
+            if (done > pass || !adaptive.active(x, y)) {
                 continue; // done before this pass was interrupted, or good enough
             }
             if (pass == 0) {
-                middles.ray[middles.count++] = rayAt(x + 0.5, y + 0.5);
+                const Vec2d at = ndc(x + 0.5, y + 0.5);
+                middles.time[middles.count] = 0.5f;
+                middles.ray[middles.count++] = camera.ray(at.x, at.y, scene->origin);
             }
-            PixelSampler& sampler = samplers[bundle.count].emplace(settings.seed, index, film.sampleCount(x, y));
+            PixelSampler& sampler =
+                samplers[bundle.count].emplace(settings.seed, pixelNumber(x, y), film.sampleCount(x, y));
             const Vec2f u = sampler.next2d();
-            pixels[bundle.count] = {x, y};
-            bundle.ray[bundle.count++] = rayAt(x + 0.5 + double(tent(u.x)), y + 0.5 + double(tent(u.y)));
-            passDone[index] = pass + 1;
+            const Vec2d at = ndc(x + 0.5 + double(filter.offset(u.x)), y + 0.5 + double(filter.offset(u.y)));
+            // Numbers are drawn only for what blurs: the others stay what they are without it.
+            float time = 0.5f;
+            if (lens || motion) {
+                const Vec2d onLens = lens ? onUnitDisc(sampler.next2d()) : Vec2d();
+                time = motion ? sampler.next1d() : 0.5f;
+                bundle.ray[bundle.count] = camera.ray(at.x, at.y, scene->origin, onLens, time);
+            } else {
+                bundle.ray[bundle.count] = camera.ray(at.x, at.y, scene->origin);
+            }
+            bundle.time[bundle.count] = time;
+            pixels[bundle.count++] = {x, y};
+            done = pass + 1;
         }
     }
     integrator.meet(middles);
@@ -445,7 +578,7 @@ bool Renderer::renderPass(Progress& progress) {
         return true;
     }
     setThreadCount(s.settings.threads);
-    s.scene->clearColor = s.clearColor;
+    s.scene->clearColor = s.clearColor * float(std::exp2(-s.camera.optics().exposure));
     s.scene->clearAlpha = s.clearAlpha;
     s.scene->maxDepth = s.settings.maxDepth;
     s.scene->indirectClamp = s.settings.indirectClamp;
@@ -458,6 +591,8 @@ bool Renderer::renderPass(Progress& progress) {
     const int width = s.film.width(), height = s.film.height();
     const int tilesX = (width + kTile - 1) / kTile, tilesY = (height + kTile - 1) / kTile;
     const std::uint32_t pass = std::uint32_t(s.passes);
+    const bool motion = s.blursMotion();
+    s.film.setDenoised({});
     s.adaptive.beforePass(s.film, pass, double(s.settings.errorTarget));
     std::atomic<std::uint64_t> rays{0};
     parallelFor(std::size_t(tilesX) * std::size_t(tilesY), 1, [&](std::size_t begin, std::size_t end) {
@@ -465,11 +600,13 @@ bool Renderer::renderPass(Progress& progress) {
             Integrator integrator(*s.scene);
             const int x0 = int(tile) % tilesX * kTile, y0 = int(tile) / tilesX * kTile;
             // Of the pixel in the tile's middle: it hardly changes within.
-            const RayCone cone = s.camera.cone(2 * (x0 + 0.5 * kTile) / width - 1, 2 * (y0 + 0.5 * kTile) / height - 1,
-                                               2.0 / width, 2.0 / height);
+            const RayCone cone =
+                s.camera.cone(2 * (x0 + 0.5 * kTile + s.window.x) / s.window.frameWidth - 1,
+                              2 * (y0 + 0.5 * kTile + s.window.y) / s.window.frameHeight - 1, 2.0 / s.window.frameWidth,
+                              2.0 / s.window.frameHeight, s.settings.samples);
             for (int y = y0; y < y0 + kTile; y += kBlock) {
                 for (int x = x0; x < x0 + kTile; x += kBlock) {
-                    s.sampleBlock(integrator, x, y, pass, cone);
+                    s.sampleBlock(integrator, x, y, pass, cone, motion);
                 }
             }
             rays += integrator.rays();
@@ -484,6 +621,36 @@ bool Renderer::renderPass(Progress& progress) {
         s.stats.firstPixelSeconds = since(s.prepareStart);
     }
     return true;
+}
+
+void Renderer::denoise() {
+    Impl& s = *impl_;
+    DenoiserInput in;
+    in.width = s.film.width();
+    in.height = s.film.height();
+    s.film.setDenoised({});
+    const std::vector<float> rgba = s.film.read(Aov::Color);
+    for (std::size_t i = 0; i < rgba.size(); i += 4) {
+        in.color.insert(in.color.end(), {rgba[i], rgba[i + 1], rgba[i + 2]});
+    }
+    if (!s.camera.optics().lens.blurs() && !s.blursMotion()) {
+        in.albedo = s.film.read(Aov::Albedo);
+        in.normal = s.film.read(Aov::Normal);
+    }
+    const auto start = Clock::now();
+    const auto plan = [&](bool runs, const std::string& why) {
+        s.scenePlan.erase(std::remove_if(s.scenePlan.begin(), s.scenePlan.end(),
+                                         [](const PlanEntry& e) { return e.stage == "denoise"; }),
+                          s.scenePlan.end());
+        s.scenePlan.push_back({"scene", "denoise", runs, why, since(start)});
+    };
+    try {
+        s.film.setDenoised(Denoiser::denoise(in));
+        plan(true, in.albedo.empty() ? "by colour" : "by colour, albedo and normal");
+    } catch (const Error& e) {
+        plan(false, e.what());
+        s.say(Severity::Warning, std::string(e.what()) + "; the image is not denoised");
+    }
 }
 
 bool Renderer::converged() const {

@@ -5,6 +5,7 @@
 #include "stfLib/render/prepared_scene.h"
 
 #include <functional>
+#include <unordered_map>
 
 namespace stf {
 
@@ -17,14 +18,24 @@ class SceneRays {
 public:
     explicit SceneRays(const PreparedScene& scene) : scene_(scene) {}
 
+    /// When the rays to come are, of the exposure: 0 to 1.
+    void setTime(float time) {
+        time_ = time;
+        ++timeVersion_;
+    }
     bool intersect(const Ray& ray, RayHit& hit) {
         ++count_;
-        return scene_.rays->intersect(ray, hit);
+        return scene_.rays->intersect(ray, hit, time_);
+    }
+    /// Where an instance is at that time. The reference holds until the time is set again.
+    const PreparedInstance& instance(std::uint32_t index) {
+        const PreparedInstance& placed = scene_.instances[index];
+        return placed.motion.empty() ? placed : moved(placed);
     }
     /// Nearest hits of up to kMostTogether rays of neighbouring pixels.
-    void intersectTogether(const Ray* rays, int count, RayHit* hits, bool* met) {
+    void intersectTogether(const Ray* rays, const float* times, int count, RayHit* hits, bool* met) {
         count_ += std::uint64_t(count);
-        scene_.rays->intersectTogether(rays, count, hits, met);
+        scene_.rays->intersectTogether(rays, times, count, hits, met);
     }
     /// How light gets out of shells that points lie in: moves the origin (world) there, gives what is left.
     using WayOut = std::function<Rgb(Vec3f& origin, LightSample& light)>;
@@ -39,12 +50,20 @@ public:
     void add(std::uint64_t rays) { count_ += rays; }
 
 private:
+    struct Moved {
+        PreparedInstance instance;
+        std::uint64_t timeVersion = 0;
+    };
     Rgb throughSurfaces(Ray ray);
     Rgb fromWithin(Vec3f origin, LightSample light);
+    const PreparedInstance& moved(const PreparedInstance& placed);
 
     const PreparedScene& scene_;
     WayOut wayOut_;
     std::uint64_t count_ = 0;
+    float time_ = 0.5f;
+    std::uint64_t timeVersion_ = 1;
+    std::unordered_map<std::uint32_t, Moved> moved_; ///< of the moving instances that were met
 };
 
 } // namespace stf

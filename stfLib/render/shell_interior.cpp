@@ -17,7 +17,7 @@ float Integrator::obstacle(const PreparedInstance& instance, const Vec3f& point,
     const float scale = length(Vec3f(instance.worldToObject.vector(Vec3d(ray.direction))));
     RayHit hit;
     for (int i = 0; i < kMostSkipped && rays_.intersect(ray, hit); ++i) {
-        const PreparedInstance& other = scene_.instances[hit.instance];
+        const PreparedInstance& other = rays_.instance(hit.instance);
         const Vec3f along(other.worldToObject.vector(Vec3d(ray.direction)));
         const bool leaves = dot(along, hit.geometricNormal) > 0;
         if (&other == &instance) {
@@ -116,7 +116,7 @@ Ray Integrator::goOnWithin(const PreparedInstance& instance, const ShellExit& st
 bool Integrator::startWithin(LightPath& path, Rgb& radiance) {
     const Vec3d start = Vec3d(path.ray.origin);
     for (const std::uint32_t i : scene_.aroundCamera) {
-        const PreparedInstance& instance = scene_.instances[i];
+        const PreparedInstance& instance = rays_.instance(i);
         const Vec3f point(instance.worldToObject.point(start)),
             direction = instance.objectDirection(path.ray.direction);
         ShellMarch& march = marchOf(instance);

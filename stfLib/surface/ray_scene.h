@@ -49,6 +49,8 @@ private:
 struct RayInstance {
     std::shared_ptr<const RayMesh> mesh;
     Transform objectToWorld;
+    /// Of an instance that moves: at least two steps (at most 129), even in time, matrix elements linear in between.
+    std::vector<Transform> motion;
     std::uint32_t id = 0; ///< returned as RayHit::instance
     bool visible = true;
 };
@@ -64,11 +66,13 @@ public:
     RayScene(const RayScene&) = delete;
     RayScene& operator=(const RayScene&) = delete;
 
-    bool intersect(const Ray& worldRay, RayHit& hit) const;
-    /// The same for up to kMostTogether rays that start and go much alike, as those of neighbouring pixels: several
-    /// times as fast as one by one. `met`: which of them hit something.
-    void intersectTogether(const Ray* worldRays, int count, RayHit* hits, bool* met) const;
-    bool occluded(const Ray& worldRay) const;
+    /// `time`: 0 (first step of motion) to 1 (last).
+    bool intersect(const Ray& worldRay, RayHit& hit, float time = 0.5f) const;
+    /// The same for up to kMostTogether rays that start and go much alike, as those of neighbouring pixels, each at a
+    /// time of its own: several times as fast as one by one. `met`: which of them hit something.
+    void intersectTogether(const Ray* worldRays, const float* times, int count, RayHit* hits, bool* met) const;
+    bool occluded(const Ray& worldRay, float time = 0.5f) const;
+    /// Of all instances at all times.
     Box3f bounds() const;
 
 private:

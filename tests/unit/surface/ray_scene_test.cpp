@@ -160,7 +160,13 @@ TEST(RayScene, RaysTracedTogetherMeetWhatTheyMeetAlone) {
     moved.translation = {0.3, 0.1, -2};
     mirrored.x = {-2, 0.5, 0};
     const auto mesh = triangle();
-    const RayScene scene({{mesh, moved, 7, true}, {mesh, mirrored, 9, true}});
+    std::vector<RayInstance> instances(2);
+    instances[0].mesh = instances[1].mesh = mesh;
+    instances[0].objectToWorld = moved;
+    instances[1].objectToWorld = mirrored;
+    instances[0].id = 7;
+    instances[1].id = 9;
+    const RayScene scene(instances);
     for (int count : {1, 5, kMostTogether}) {
         Ray rays[kMostTogether];
         RayHit together[kMostTogether], alone;
@@ -171,7 +177,8 @@ TEST(RayScene, RaysTracedTogetherMeetWhatTheyMeetAlone) {
         if (count > 2) {
             rays[2].direction = {0, 0, 0}; // none at all
         }
-        scene.intersectTogether(rays, count, together, met);
+        const std::vector<float> times(kMostTogether, 0.5f);
+        scene.intersectTogether(rays, times.data(), count, together, met);
         int hits = 0;
         for (int i = 0; i < count; ++i) {
             ASSERT_EQ(met[i], scene.intersect(rays[i], alone)) << i;
@@ -188,6 +195,6 @@ TEST(RayScene, RaysTracedTogetherMeetWhatTheyMeetAlone) {
         EXPECT_TRUE(count < kMostTogether || (hits > 3 && hits < count));
     }
     bool none = false;
-    scene.intersectTogether(nullptr, 0, nullptr, &none); // nothing is touched
+    scene.intersectTogether(nullptr, nullptr, 0, nullptr, &none); // nothing is touched
     EXPECT_FALSE(none);
 }
