@@ -10,6 +10,14 @@ namespace stf {
 
 struct PreparedInstance;
 
+/// Least alpha of a lobe, and half angle (radians) of a distant light, that a path meets after lobes of this spread.
+/// Light focused onto a wide lobe by a narrow one is found too rarely to be other than speckle: it is blurred, not lost
+/// (Kaplanyan & Dachsbacher 2013, "Path Space Regularization for Holistic and Robust Light Transport").
+inline float regularizedAlpha(float spread) {
+    constexpr float wide = 0.5f; // of Lambert's lobe and of light in a shell
+    return 0.5f * std::min(spread, wide);
+}
+
 /// A path from the camera on its way through a scene, and how its present ray came to be.
 struct LightPath {
     Ray ray;
@@ -27,6 +35,7 @@ struct LightPath {
     float density = 0;       ///< shared: per solid angle, of the ray's direction
     int domeSamples = 1;     ///< and how often a dome was asked
     Vec3f normal;            ///< and where: of the surface that the ray leaves
+    bool shadowless = false; ///< and whether lights without shadows, found wherever they are, are still to be met
 
     /// Shells that the ray's origin may lie in, those entered last at the end: what is met inside of a shell ends the
     /// march there, and the rest of the shell comes after it.
@@ -51,8 +60,14 @@ struct LightPath {
         mirrored = true;
         lights = Lights::All;
     }
-    /// It went through a shell, behind which samples of lights see nothing.
-    void passShell() { lights = seen() ? Lights::None : Lights::All; }
+    /// It went through a shell. Samples of lights see through those that do not bend rays, and nothing behind others.
+    void passShell(bool straight) {
+        if (!straight) {
+            lights = seen() ? Lights::None : Lights::All;
+        }
+    }
+    /// Something in a shell, which hides lights from samples, is what it meets next.
+    void stopWithin() { lights = seen() ? Lights::None : Lights::All; }
 };
 
 } // namespace stf
