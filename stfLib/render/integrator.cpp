@@ -192,7 +192,7 @@ PixelSample Integrator::sample(const Bundle& bundle, int i, const RayCone& cone,
         known = false;
         const float tMax = met ? hit.t : std::numeric_limits<float>::infinity();
         if (path.lights == LightPath::Lights::All) {
-            const float blur = scene_.regularize ? regularizedAlpha(path.spread) : 0.0f;
+            const float blur = scene_.regularize ? regularizedDisc(path.spread) : 0.0f;
             add(throughput * scene_.lights.mirrored(ray.origin, ray.direction, ray.tNear, tMax, blur), path.bounced);
         } else if (path.lights == LightPath::Lights::Shared) {
             add(throughput * scene_.lights.met(ray.origin, ray.direction, ray.tNear, tMax,

@@ -10,12 +10,15 @@ namespace stf {
 
 struct PreparedInstance;
 
-/// Least alpha of a lobe, and half angle (radians) of a distant light, that a path meets after lobes of this spread.
-/// Light focused onto a wide lobe by a narrow one is found too rarely to be other than speckle: it is blurred, not lost
-/// (Kaplanyan & Dachsbacher 2013, "Path Space Regularization for Holistic and Robust Light Transport").
+/// What is focused by something narrow onto a wide lobe is found too rarely to be other than speckle: it is blurred,
+/// not lost (Kaplanyan & Dachsbacher 2013, "Path Space Regularization for Holistic and Robust Light Transport"). Least
+/// alpha of a lobe that a path meets after lobes of this spread (radians).
 inline float regularizedAlpha(float spread) {
-    constexpr float wide = 0.5f; // of Lambert's lobe and of light in a shell
-    return 0.5f * std::min(spread, wide);
+    return 0.5f * std::min(spread, 0.5f); // the spread of Lambert's lobe and of light in a shell
+}
+/// And the least half angle, radians, of a distant light that it meets where samples of it do not get.
+inline float regularizedDisc(float spread) {
+    return std::min(spread, 0.5f);
 }
 
 /// A path from the camera on its way through a scene, and how its present ray came to be.

@@ -79,6 +79,10 @@ public:
     int choose(const Vec3f& point, const Vec3f& normal, float u, int most, LightPick* picks) const;
     /// What a light brings to a point with a normal (a dome is sampled by its cosine).
     LightSample sample(std::size_t light, const Vec3f& point, const Vec3f& normal, Vec2f u) const;
+    /// Whether `sample` reads its numbers: a distant light without a disc has one direction.
+    bool hasExtent(std::size_t light) const {
+        return lights_[light].type != Light::Type::Distant || lights_[light].cosAngle < 1;
+    }
     /// How many directions towards a light are worth while on one path.
     bool isDome(std::size_t light) const { return lights_[light].type == Light::Type::Dome; }
 

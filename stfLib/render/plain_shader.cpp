@@ -77,9 +77,10 @@ Rgb PlainShader::direct(const Vertex& v, const PreviewBsdf& bsdf, int domeDirect
     for (int i = 0; i < count; ++i) {
         const std::size_t l = picks[i].light;
         const int directions = scene_.lights.isDome(l) ? domeDirections : 1;
-        const PixelSampler::Points u = sampler.next2dPoints(directions);
+        const bool extent = scene_.lights.hasExtent(l);
+        const PixelSampler::Points u = extent ? sampler.next2dPoints(directions) : sampler.skip2dPoints();
         for (int k = 0; k < directions; ++k) {
-            const LightSample light = scene_.lights.sample(l, v.point, v.z, u[k]);
+            const LightSample light = scene_.lights.sample(l, v.point, v.z, extent ? u[k] : Vec2f());
             const float cosine = dot(v.z, light.towards);
             if (!(cosine > 0) || !(maxComponent(light.irradiance) > 0)) {
                 continue;

@@ -55,7 +55,7 @@ struct PreparedScene {
     bool clearShells = false;                ///< some shell does not bend rays: light goes straight through it
     bool surfacesBounce = false;             ///< some plain surface sends light on
     int maxDepth = 0;                        ///< bounces off plain surfaces along a path
-    bool regularize = true;                  ///< see regularizedAlpha
+    bool regularize = true;                  ///< light_path.h
     float indirectClamp = 0; ///< most of light that a bounced path brings, its largest channel; 0: no limit
 };
 

@@ -324,10 +324,10 @@ TEST_F(LightCounting, NoPathIsAFirefly) {
     addCubeBeforeWall(1.2f);
     look("/wall", lambert(float(albedo)));
     const auto disc = [&](double angle) { return albedo / std::pow(std::sin(angle), 2); };
-    EXPECT_LE(brightest(), albedo + disc(0.25) * 1.001);
+    EXPECT_LE(brightest(), albedo + disc(0.5) * 1.001);
     settings_.regularize = false;
     const double sharp = brightest();
-    EXPECT_GT(sharp, albedo + 2 * disc(0.25));
+    EXPECT_GT(sharp, albedo + 2 * disc(0.5));
     EXPECT_LE(sharp, albedo + disc(half * kPi / 180) * 1.001);
 }
 
