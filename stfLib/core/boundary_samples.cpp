@@ -12,10 +12,10 @@ namespace stf {
 
 namespace {
 
-constexpr std::size_t kDartsPerSample = 10;
+constexpr std::size_t kDartsPerSample = 12;
 constexpr std::uint64_t kDartStream = 0x636f7265; // of random numbers
 /// n darts of a saturated set with radius r cover the share n r^2 / area of a plane.
-constexpr double kPacking = 0.80;
+constexpr double kPacking = 0.60;
 
 Vec3d areaVector(const std::vector<Vec3f>& points, const Vec3i& t) {
     const Vec3d a(points[std::size_t(t.x)]), b(points[std::size_t(t.y)]), c(points[std::size_t(t.z)]);

@@ -252,7 +252,7 @@ void CoreResponse::walk(const CoreMaterial& m, const CoreBoundary& b, std::uint6
                     // From everywhere in the sample's part alike.
                     const TrianglePlace& p = b.samples.parts[first + std::uint32_t(k) % parts];
                     const Vec3f from = pointAt(b.points, b.triangles[p.triangle], p), normal = unitNormal(b, p);
-                    const CoreWalk::Exit exit = walks.walk(group, from, -normal, rng);
+                    const CoreWalk::Exit exit = walks.walk(group, from, -normal, p.triangle, rng);
                     if (!exit.left) {
                         continue;
                     }
@@ -276,6 +276,15 @@ void CoreResponse::walk(const CoreMaterial& m, const CoreBoundary& b, std::uint6
         far_.insert(far_.end(), r.far.begin(), r.far.end());
     }
 
+    std::vector<Rgb> totals(n, Rgb(0.0f));
+    for (std::uint32_t i : walked_) {
+        for (std::size_t k = firstNear_[i]; k < firstNear_[i + 1]; ++k) {
+            totals[i] += near_[k].weight;
+        }
+        for (std::size_t k = firstFar_[i]; k < firstFar_[i + 1]; ++k) {
+            totals[i] += far_[k].weight;
+        }
+    }
     shareFarWalks();
 
     // What comes from far away is smooth over a part of the thickness: neighbours share their walks.
@@ -288,6 +297,42 @@ void CoreResponse::walk(const CoreMaterial& m, const CoreBoundary& b, std::uint6
         radii.push_back(std::clamp(kSmooth * thickness_[i], 0.5f * spacing, kSmoothSpacings * spacing));
     }
     smooth_ = SampleFilter(from, from.positions, from.normals, radii);
+    scaleWalks(totals);
+}
+
+Rgb CoreResponse::walkedExitance(std::size_t w, const std::vector<Rgb>& irradiance, const std::vector<Rgb>& far) const {
+    const std::size_t i = walked_[w];
+    Rgb sum = smooth_.at(w, far);
+    for (std::size_t k = firstNear_[i]; k < firstNear_[i + 1]; ++k) {
+        sum += near_[k].weight * irradiance[near_[k].sample];
+    }
+    return sum;
+}
+
+std::vector<Rgb> CoreResponse::farExitance(const std::vector<Rgb>& irradiance) const {
+    std::vector<Rgb> far(walked_.size(), Rgb(0.0f));
+    parallelFor(walked_.size(), 256, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t w = begin; w < end; ++w) {
+            const std::size_t i = walked_[w];
+            for (std::size_t k = firstFar_[i]; k < firstFar_[i + 1]; ++k) {
+                far[w] += far_[k].weight * irradiance[far_[k].sample];
+            }
+        }
+    });
+    return far;
+}
+
+// How much light comes back at all, a sample's own walks know well: without absorption exactly. How many of them ended
+// near and far is chance, which must not show under even light.
+void CoreResponse::scaleWalks(const std::vector<Rgb>& ownTotals) {
+    const std::vector<Rgb> one(samples_.positions.size(), Rgb(1.0f)), far = farExitance(one);
+    walkScale_.assign(walked_.size(), Rgb(1.0f));
+    for (std::size_t w = 0; w < walked_.size(); ++w) {
+        const Rgb told = walkedExitance(w, one, far);
+        for (int c = 0; c < 3; ++c) {
+            walkScale_[w][c] = told[c] > 0 ? ownTotals[walked_[w]][c] / told[c] : 0.0f;
+        }
+    }
 }
 
 // K_ij A_i = K_ji A_j: walks from j that end at i say as much about row i as its own. Of light from far away, of which
@@ -332,20 +377,7 @@ void CoreResponse::shareFarWalks() {
 std::vector<Rgb> CoreResponse::apply(const std::vector<Rgb>& irradiance) const {
     const std::size_t n = samples_.positions.size();
     const std::vector<Rgb> sums = tree_.itemSums(irradiance);
-    std::vector<Rgb> far(walked_.size());
-    const auto walkedSum = [&](const std::vector<WalkTerm>& terms, const std::vector<std::size_t>& first,
-                               std::size_t i) {
-        Rgb sum(0.0f);
-        for (std::size_t k = first[i]; k < first[i + 1]; ++k) {
-            sum += terms[k].weight * irradiance[terms[k].sample];
-        }
-        return sum;
-    };
-    parallelFor(walked_.size(), 256, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t w = begin; w < end; ++w) {
-            far[w] = walkedSum(far_, firstFar_, walked_[w]);
-        }
-    });
+    const std::vector<Rgb> far = farExitance(irradiance);
     std::vector<Rgb> out(n);
     parallelFor(n, kGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
@@ -363,7 +395,7 @@ std::vector<Rgb> CoreResponse::apply(const std::vector<Rgb>& irradiance) const {
     parallelFor(walked_.size(), 256, [&](std::size_t begin, std::size_t end) {
         for (std::size_t w = begin; w < end; ++w) {
             const std::size_t i = walked_[w];
-            const Rgb walked = walkedSum(near_, firstNear_, i) + smooth_.at(w, far);
+            const Rgb walked = walkedExitance(w, irradiance, far) * walkScale_[w];
             out[i] = out[i] * (Rgb(1.0f) - walkShare_[i]) + walked * walkShare_[i];
         }
     });

@@ -32,7 +32,7 @@ struct CoreBoundary {
 /// Immutable after construction; `apply` from one thread at a time uses all.
 class CoreResponse {
 public:
-    static constexpr float kEpsilon = 0.1f; ///< of the tree's sums, see SampleTree::terms
+    static constexpr float kEpsilon = 0.3f; ///< of the tree's sums, see SampleTree::terms; they are off by a fiftieth of it
 
     /// Dipoles only. `epsilon` 0: direct sums.
     CoreResponse(const CoreMaterial& material, const SurfacePoints& samples, float epsilon = kEpsilon);
@@ -73,6 +73,9 @@ private:
     void chooseWalks(const CoreMaterial& material, const CoreBoundary& boundary, CoreModel model);
     void walk(const CoreMaterial& material, const CoreBoundary& boundary, std::uint64_t seed, Progress& progress);
     void shareFarWalks();
+    void scaleWalks(const std::vector<Rgb>& ownTotals);
+    Rgb walkedExitance(std::size_t walked, const std::vector<Rgb>& irradiance, const std::vector<Rgb>& far) const;
+    std::vector<Rgb> farExitance(const std::vector<Rgb>& irradiance) const;
     SampleTree::Kernels kernelsOf(std::size_t sample) const; ///< of the channels that are not walked alone
     bool needsDipole(std::size_t sample) const;
     Rgb gather(const Vec3f& place, const SampleTree::Kernels& kernels, const std::vector<Rgb>& itemSums,
@@ -92,6 +95,7 @@ private:
     std::vector<float> thickness_; ///< mm
     std::vector<WalkTerm> near_, far_;
     std::vector<std::size_t> firstNear_, firstFar_;
+    std::vector<Rgb> walkScale_; ///< of each of them: so that uniform light returns what its own walks say
     std::vector<std::uint32_t> walked_; ///< samples with walks; the filter's places
     SampleFilter smooth_;
     std::size_t walksPerSample_ = 0;

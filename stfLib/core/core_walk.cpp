@@ -16,7 +16,7 @@ constexpr int kCells = 40;           ///< of distances, along the longest side
 constexpr int kMaxSteps = 20000;     ///< of a walk: what is left then is lost
 constexpr double kExtrapolation = 0.7104461; ///< mean free paths, of Milne's problem
 constexpr double kJumpPaths = 5;     ///< mean free paths: least radius of a jump
-constexpr double kJumpAlbedo = 0.9;  ///< below it, walks end before jumps would pay
+constexpr double kJumpAlbedo = 0.98; ///< below it, the decay is no longer that of diffusion, and walks end soon
 constexpr double kAlike = 1.2;       ///< channels within this factor of a common scattering walk together
 constexpr float kRouletteBelow = 0.1f;
 
@@ -150,7 +150,8 @@ CoreWalk::CoreWalk(const CoreMaterial& m, const RayMesh& mesh, double mmPerUnit)
     rounding_ = 1e-6f * std::max(distances_->box().diagonal(), std::max(length(distances_->box().lo), length(distances_->box().hi)));
 }
 
-CoreWalk::Exit CoreWalk::walk(const Group& group, const Vec3f& from, const Vec3f& inward, CounterRng& rng) const {
+CoreWalk::Exit CoreWalk::walk(const Group& group, const Vec3f& from, const Vec3f& inward, std::uint32_t triangle,
+                              CounterRng& rng) const {
     Exit out;
     Rgb weight(group.channel[0] ? 1.0f : 0.0f, group.channel[1] ? 1.0f : 0.0f, group.channel[2] ? 1.0f : 0.0f);
     const Rgb sigmaA(sigmaA_), sigmaS(sigmaS_);
@@ -161,7 +162,7 @@ CoreWalk::Exit CoreWalk::walk(const Group& group, const Vec3f& from, const Vec3f
     orthonormalBasis(inward, x, y);
     const float u = rng.uniform(), v = rng.uniform();
     const Vec3f local = cosineHemisphere({u, v});
-    Vec3f p = from + inward * (2 * rounding_), d = x * local.x + y * local.y + inward * local.z;
+    Vec3f p = from, d = x * local.x + y * local.y + inward * local.z;
     for (int step = 0; step < kMaxSteps; ++step) {
         const float flight = scattering > 0 ? rng.exponential() / scattering : 1e30f;
         if (!(flight < cells.atLeast(p))) {
@@ -170,7 +171,13 @@ CoreWalk::Exit CoreWalk::walk(const Group& group, const Vec3f& from, const Vec3f
             ray.direction = d;
             ray.tFar = flight;
             RayHit hit;
-            if (mesh_.intersect(ray, hit, 2)) {
+            bool found = mesh_.intersect(ray, hit, 2);
+            if (found && step == 0 && hit.triangle == triangle) {
+                // Not where it starts: rather that than a start at a depth, which stiff media would feel.
+                ray.tNear = hit.t + rounding_;
+                found = mesh_.intersect(ray, hit, 2) && hit.triangle != triangle;
+            }
+            if (found) {
                 for (int c = 0; c < 3; ++c) {
                     weight[c] *= std::exp(-(sigmaS[c] - scattering + sigmaA[c]) * hit.t);
                 }

@@ -53,8 +53,9 @@ public:
         Vec3f point, normal; ///< normal: outward, of the triangle, not normalised
         Rgb weight{0.0f};    ///< of the channels of the group
     };
-    /// Diffuse light that enters at a point of the boundary (units), whose unit normal inward is given.
-    Exit walk(const Group& group, const Vec3f& from, const Vec3f& inward, CounterRng& rng) const;
+    /// Diffuse light that enters at a point (units) of a triangle of the boundary, whose unit normal inward is given.
+    Exit walk(const Group& group, const Vec3f& from, const Vec3f& inward, std::uint32_t triangle,
+              CounterRng& rng) const;
 
     /// What diffuse light does in an infinite medium. Any unit of length.
     struct Diffusion {

@@ -17,7 +17,7 @@ std::uint32_t NearestSample::find(const Vec3f& place, const Vec3f& normal) const
         std::size_t nearest = samples_.positions.size();
         cells_.near(place, radius, [&](std::size_t j) {
             const Vec3f d = samples_.positions[j] - place;
-            const bool sameSide = round > 2 || samples_.normals.empty() || dot(samples_.normals[j], normal) >= 0;
+            const bool sameSide = round > 2 || samples_.normals.empty() || dot(samples_.normals[j], normal) > 0;
             if (sameSide && dot(d, d) < least) {
                 least = dot(d, d);
                 nearest = j;
