@@ -63,8 +63,8 @@ double surfaceArea(const std::vector<Vec3f>& points, const std::vector<Vec3i>& t
     return total;
 }
 
-BoundarySamples spreadSamples(const std::vector<Vec3f>& points, const std::vector<Vec3i>& triangles,
-                              std::size_t wanted, std::uint64_t seed) {
+BoundarySamples spreadSamples(const std::vector<Vec3f>& points, const std::vector<Vec3i>& triangles, std::size_t wanted,
+                              std::uint64_t seed) {
     BoundarySamples out;
     out.firstPart.push_back(0);
     double total = 0;

@@ -28,16 +28,16 @@ struct BoundarySamples {
     std::vector<double> triangleAreas;    ///< where they were spread: all parts of a triangle share its area
 
     std::size_t count() const { return places.size(); }
-    /// Area of each sample's part in the pose of `points`; together exactly that of the triangles that have parts, scaled
-    /// to the whole surface.
+    /// Area of each sample's part in the pose of `points`; together exactly that of the triangles that have parts,
+    /// scaled to the whole surface.
     std::vector<float> areas(const std::vector<Vec3f>& points, const std::vector<Vec3i>& triangles) const;
 };
 
 /// About `wanted` samples (within a tenth), well spread: a Poisson-disk set by darts (Cook 1986), radii chosen so that
-/// darts hardly find room any more. Sides of a thin sheet do not see each other. Deterministic by `seed`. None where the
-/// surface has no area.
-BoundarySamples spreadSamples(const std::vector<Vec3f>& points, const std::vector<Vec3i>& triangles,
-                              std::size_t wanted, std::uint64_t seed);
+/// darts hardly find room any more. Sides of a thin sheet do not see each other. Deterministic by `seed`. None where
+/// the surface has no area.
+BoundarySamples spreadSamples(const std::vector<Vec3f>& points, const std::vector<Vec3i>& triangles, std::size_t wanted,
+                              std::uint64_t seed);
 
 double surfaceArea(const std::vector<Vec3f>& points, const std::vector<Vec3i>& triangles);
 

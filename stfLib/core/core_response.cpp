@@ -14,12 +14,12 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr std::size_t kMaxTermBytes = std::size_t(400) << 20;
-constexpr float kThin = 3, kThick = 5;     ///< spread lengths between which walks give way to dipoles
-constexpr std::size_t kMostWalks = 512, kLeastWalks = 32;
-constexpr std::size_t kWalkBudget = 600'000; ///< together
-constexpr float kFar = 0.7f;               ///< of the thickness: walks that end farther away are averaged
-constexpr float kSmooth = 0.6f;            ///< of the thickness: the radius within which
-constexpr float kSmoothSpacings = 4.5f;    ///< that radius at most
+constexpr float kThin = 3, kThick = 5; ///< spread lengths between which walks give way to dipoles
+constexpr std::size_t kMostWalks = 512, kLeastWalks = 24;
+constexpr std::size_t kWalkBudget = 300'000; ///< together
+constexpr float kFar = 0.7f;                 ///< of the thickness: walks that end farther away are averaged
+constexpr float kSmooth = 0.6f;              ///< of the thickness: the radius within which
+constexpr float kLeastSpacings = 2.5f, kSmoothSpacings = 4.5f; ///< that radius at least and at most
 constexpr std::size_t kGrain = 32;
 
 // A sample stands for a disc of its area. Far away the disc is a point; at its own place the kernel's mean over the
@@ -204,8 +204,7 @@ void CoreResponse::walk(const CoreMaterial& m, const CoreBoundary& b, std::uint6
         return;
     }
     const CoreWalk walks(m, b.mesh, b.mmPerUnit);
-    walksPerSample_ =
-        std::clamp(kWalkBudget / (walked_.size() * walks.groups().size()), kLeastWalks, kMostWalks);
+    walksPerSample_ = std::clamp(kWalkBudget / (walked_.size() * walks.groups().size()), kLeastWalks, kMostWalks);
     double area = 0;
     for (float a : samples_.areas) {
         area += double(a);
@@ -258,8 +257,8 @@ void CoreResponse::walk(const CoreMaterial& m, const CoreBoundary& b, std::uint6
                     }
                     const Vec3f out = normalize(exit.normal);
                     const std::uint32_t j = nearest.find(exit.point * float(b.mmPerUnit), out);
-                    const bool away = length(exit.point - from) * float(b.mmPerUnit) > kFar * thickness_[i] ||
-                                      dot(out, normal) < 0;
+                    const bool away =
+                        length(exit.point - from) * float(b.mmPerUnit) > kFar * thickness_[i] || dot(out, normal) < 0;
                     (away ? far : near).push_back({j, exit.weight / float(walksPerSample_)});
                 }
             }
@@ -287,14 +286,15 @@ void CoreResponse::walk(const CoreMaterial& m, const CoreBoundary& b, std::uint6
     }
     shareFarWalks();
 
-    // What comes from far away is smooth over a part of the thickness: neighbours share their walks.
+    // What comes from far away is smooth over a part of the thickness: neighbours share their walks, weighted by area,
+    // so that the noise of a sample's own area drops out.
     SurfacePoints from;
     std::vector<float> radii;
     for (std::uint32_t i : walked_) {
         from.positions.push_back(samples_.positions[i]);
         from.normals.push_back(samples_.normals[i]);
         from.areas.push_back(samples_.areas[i]);
-        radii.push_back(std::clamp(kSmooth * thickness_[i], 0.5f * spacing, kSmoothSpacings * spacing));
+        radii.push_back(std::clamp(kSmooth * thickness_[i], kLeastSpacings * spacing, kSmoothSpacings * spacing));
     }
     smooth_ = SampleFilter(from, from.positions, from.normals, radii);
     scaleWalks(totals);

@@ -27,12 +27,14 @@ struct CoreBoundary {
 /// K of DESIGN 3.10: what exitance diffuse irradiance causes at samples of the inner boundary. Depends on the core's
 /// material and shape, not on light. Rows are
 /// - dipoles, scaled so that uniform irradiance E gives exactly R_cd E, summed over a tree within a bound of error, or
-/// - where the core is thinner than four diffusion lengths (a smooth change from five to three), walks from all over the
+/// - where the core is thinner than four diffusion lengths (a smooth change from five to three), walks from all over
+/// the
 ///   sample's part of the boundary. By reciprocity they are light that arrives from where they end.
 /// Immutable after construction; `apply` from one thread at a time uses all.
 class CoreResponse {
 public:
-    static constexpr float kEpsilon = 0.3f; ///< of the tree's sums, see SampleTree::terms; they are off by a fiftieth of it
+    static constexpr float kEpsilon =
+        0.3f; ///< of the tree's sums, see SampleTree::terms; they are off by a fiftieth of it
 
     /// Dipoles only. `epsilon` 0: direct sums.
     CoreResponse(const CoreMaterial& material, const SurfacePoints& samples, float epsilon = kEpsilon);
@@ -95,7 +97,7 @@ private:
     std::vector<float> thickness_; ///< mm
     std::vector<WalkTerm> near_, far_;
     std::vector<std::size_t> firstNear_, firstFar_;
-    std::vector<Rgb> walkScale_; ///< of each of them: so that uniform light returns what its own walks say
+    std::vector<Rgb> walkScale_;        ///< of each of them: so that uniform light returns what its own walks say
     std::vector<std::uint32_t> walked_; ///< samples with walks; the filter's places
     SampleFilter smooth_;
     std::size_t walksPerSample_ = 0;

@@ -12,12 +12,12 @@ namespace stf {
 namespace {
 
 constexpr float kPi = 3.14159265358979f;
-constexpr int kCells = 40;           ///< of distances, along the longest side
-constexpr int kMaxSteps = 20000;     ///< of a walk: what is left then is lost
+constexpr int kCells = 40;                   ///< of distances, along the longest side
+constexpr int kMaxSteps = 20000;             ///< of a walk: what is left then is lost
 constexpr double kExtrapolation = 0.7104461; ///< mean free paths, of Milne's problem
-constexpr double kJumpPaths = 5;     ///< mean free paths: least radius of a jump
-constexpr double kJumpAlbedo = 0.98; ///< below it, the decay is no longer that of diffusion, and walks end soon
-constexpr double kAlike = 1.2;       ///< channels within this factor of a common scattering walk together
+constexpr double kJumpPaths = 5;             ///< mean free paths: least radius of a jump
+constexpr double kJumpAlbedo = 0.98;         ///< below it, the decay is no longer that of diffusion, and walks end soon
+constexpr double kAlike = 1.2;               ///< channels within this factor of a common scattering walk together
 constexpr float kRouletteBelow = 0.1f;
 
 Vec3f evenDirection(CounterRng& rng) {
@@ -147,7 +147,8 @@ CoreWalk::CoreWalk(const CoreMaterial& m, const RayMesh& mesh, double mmPerUnit)
         groups_.push_back(g);
     }
     distances_ = std::make_shared<const DistanceCells>(mesh);
-    rounding_ = 1e-6f * std::max(distances_->box().diagonal(), std::max(length(distances_->box().lo), length(distances_->box().hi)));
+    rounding_ = 1e-6f * std::max(distances_->box().diagonal(),
+                                 std::max(length(distances_->box().lo), length(distances_->box().hi)));
 }
 
 CoreWalk::Exit CoreWalk::walk(const Group& group, const Vec3f& from, const Vec3f& inward, std::uint32_t triangle,
@@ -199,8 +200,9 @@ CoreWalk::Exit CoreWalk::walk(const Group& group, const Vec3f& from, const Vec3f
         }
         float largest = 0;
         for (int c = 0; c < 3; ++c) {
-            weight[c] *= weight[c] > 0 ? sigmaS[c] / scattering * std::exp(-(sigmaS[c] - scattering + sigmaA[c]) * flight)
-                                       : 0.0f;
+            weight[c] *= weight[c] > 0
+                             ? sigmaS[c] / scattering * std::exp(-(sigmaS[c] - scattering + sigmaA[c]) * flight)
+                             : 0.0f;
             largest = std::max(largest, weight[c]);
         }
         if (largest < kRouletteBelow) {

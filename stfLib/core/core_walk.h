@@ -49,7 +49,7 @@ public:
     const std::vector<Group>& groups() const { return groups_; }
 
     struct Exit {
-        bool left = false; ///< false: absorbed, or lost through a hole of the boundary
+        bool left = false;   ///< false: absorbed, or lost through a hole of the boundary
         Vec3f point, normal; ///< normal: outward, of the triangle, not normalised
         Rgb weight{0.0f};    ///< of the channels of the group
     };
@@ -59,7 +59,7 @@ public:
 
     /// What diffuse light does in an infinite medium. Any unit of length.
     struct Diffusion {
-        double decay = 0;  ///< 1 / length, exact in transport theory: albedo artanh(k) = k, k relative to the extinction
+        double decay = 0; ///< 1 / length, exact in transport theory: albedo artanh(k) = k, k relative to the extinction
         double beyond = 0; ///< length by which it extrapolates to zero beyond a boundary
         Diffusion() = default;
         Diffusion(double sigmaA, double sigmaSPrime);

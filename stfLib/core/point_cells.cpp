@@ -20,9 +20,8 @@ PointCells::PointCells(const std::vector<Vec3f>& points, float cell) {
     }
     order_.resize(points.size());
     std::iota(order_.begin(), order_.end(), 0u);
-    std::sort(order_.begin(), order_.end(), [&](std::uint32_t a, std::uint32_t b) {
-        return keys[a] != keys[b] ? keys[a] < keys[b] : a < b;
-    });
+    std::sort(order_.begin(), order_.end(),
+              [&](std::uint32_t a, std::uint32_t b) { return keys[a] != keys[b] ? keys[a] < keys[b] : a < b; });
     for (std::uint32_t i = 0; i < order_.size();) {
         std::uint32_t end = i + 1;
         while (end < order_.size() && keys[order_[end]] == keys[order_[i]]) {

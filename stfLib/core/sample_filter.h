@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "stfLib/core/point_cells.h"
 #include "stfLib/base/vec.h"
+#include "stfLib/core/point_cells.h"
 
 #include <cstdint>
 #include <vector>

@@ -22,8 +22,8 @@ public:
         Rgb kernel{0.0f};
     };
     struct Kernels {
-        const Dipole* dipoles = nullptr;     ///< of each channel
-        float soften2[3] = {0, 0, 0};        ///< mm^2, added to squared distances
+        const Dipole* dipoles = nullptr;      ///< of each channel
+        float soften2[3] = {0, 0, 0};         ///< mm^2, added to squared distances
         bool present[3] = {true, true, true}; ///< channels that are asked for
     };
     /// The terms of the sum at a place. With T = sum of kernel * area over all points and E their mean irradiance,

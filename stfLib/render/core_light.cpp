@@ -19,15 +19,15 @@ namespace {
 
 constexpr float kPi = 3.14159265358979f;
 constexpr std::size_t kMinSamples = 400, kMaxSamples = 100'000;
-constexpr double kSpacing = 0.5;       ///< of the spread length, between samples
-constexpr double kFinestSpacing = 0.35; ///< the same where thin parts ask for more
-constexpr std::size_t kProbes = 300;   ///< of the thickness
-constexpr float kFilterSpacings = 1.8f; ///< radius within which samples make the exitance of a point
-constexpr int kNearSamples = 8;
+constexpr double kSpacing = 0.5;                      ///< of the spread length, between samples
+constexpr double kFinestSpacing = 0.45;               ///< the same where thin parts ask for more
+constexpr std::size_t kProbes = 300;                  ///< of the thickness
+constexpr float kFilterSpacings = 1.8f;               ///< radius within which samples make the exitance of a point
 constexpr std::uint64_t kBounceSeed = 0x626f756e6365; ///< apart from those of lights
-constexpr int kMaxLights = 32; ///< of a sample of the core; more are chosen from
-/// Rays per sample for a dome and for bounced light: fewer where samples are many, since the core mixes them anyway.
-constexpr std::size_t kDomeRays = 400'000, kBounceRays = 130'000;
+constexpr int kMaxLights = 32;                        ///< of a sample of the core; more are chosen from
+/// Rays to a dome, to another light and for bounced light: fewer per sample where samples are many, since the core
+/// mixes them anyway.
+constexpr std::size_t kDomeRays = 200'000, kNearRays = 80'000, kBounceRays = 65'000;
 
 int raysPerSample(std::size_t all, std::size_t samples, int least, int most) {
     return std::clamp(int(all / std::max<std::size_t>(1, samples)), least, most);
@@ -43,8 +43,8 @@ std::string hashOf(const std::vector<T>& values) {
     return contentHashOf({reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)});
 }
 
-// How many samples a core asks for: half the shortest length over which its light spreads apart, closer where a tenth of
-// the object is thinner than that.
+// How many samples a core asks for: half the shortest length over which its light spreads apart, closer where a tenth
+// of the object is thinner than that.
 double wantedSamples(const ShellObject& o, std::uint64_t seed) {
     double length = 1e30;
     for (int c = 0; c < 3; ++c) {
@@ -65,7 +65,7 @@ double wantedSamples(const ShellObject& o, std::uint64_t seed) {
         if (!thickness.empty()) {
             const auto tenth = thickness.begin() + std::ptrdiff_t(thickness.size() / 10);
             std::nth_element(thickness.begin(), tenth, thickness.end());
-            spacing = std::min(spacing, std::max(0.7 * double(*tenth), kFinestSpacing * length));
+            spacing = std::min(spacing, std::max(0.7 * double(*tenth), kFinestSpacing* length));
         }
     }
     const double units = double(o.mmPerUnit) * double(o.mmPerUnit);
@@ -198,9 +198,9 @@ std::shared_ptr<const ShellCore> ShellCores::prepare(const ShellObject& o, std::
             used += std::snprintf(text + used, sizeof text - std::size_t(used), " (%.3g asked for, cut)", made->wanted);
         }
         if (const std::size_t walked = made->response->walkedSamples()) {
-            used += std::snprintf(text + used, sizeof text - std::size_t(used), ", %.0f %% thin, by %zu walks each",
-                                  100.0 * double(walked) / double(samples.areas.size()),
-                                  made->response->walksPerSample());
+            used +=
+                std::snprintf(text + used, sizeof text - std::size_t(used), ", %.0f %% thin, by %zu walks each",
+                              100.0 * double(walked) / double(samples.areas.size()), made->response->walksPerSample());
         }
         if (const std::size_t terms = made->response->meanTerms()) {
             used += std::snprintf(text + used, sizeof text - std::size_t(used), ", dipoles of %zu terms", terms);
@@ -238,8 +238,9 @@ std::vector<Rgb> coreRadiance(const ShellCore& core, const ShellObject& o, const
     const Transform worldToObject = objectToWorld.inverse();
     const Vec3i size = o.table->size;
     const float offset = 1e-3f * o.grid->voxelSize();
-    const int domeSamples = raysPerSample(kDomeRays, count, 24, 96);
-    const int bounceSamples = bounces ? raysPerSample(kBounceRays, count, 8, 32) : 0;
+    const int domeSamples = raysPerSample(kDomeRays, count, 8, 96);
+    const int nearSamples = raysPerSample(kNearRays, count, 2, 8);
+    const int bounceSamples = bounces ? raysPerSample(kBounceRays, count, 4, 32) : 0;
 
     parallelFor(count, 16, [&](std::size_t begin, std::size_t end) {
         if (progress.cancelled()) {
@@ -291,7 +292,7 @@ std::vector<Rgb> coreRadiance(const ShellCore& core, const ShellObject& o, const
             const int chosen = lights.choose(worldPoint, worldNormal, chooser.next1d(), kMaxLights, picks);
             for (int p = 0; p < chosen; ++p) {
                 const std::size_t l = picks[p].light;
-                const int n = lights.isDome(l) ? domeSamples : kNearSamples;
+                const int n = lights.isDome(l) ? domeSamples : nearSamples;
                 for (int k = 0; k < n; ++k) {
                     PixelSampler sampler(seed + 17 * l, i, std::uint32_t(k));
                     const Vec2f u = sampler.next2d(), v = sampler.next2d();

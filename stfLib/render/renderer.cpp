@@ -374,11 +374,11 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
     }
     s.cores.dropUnused();
     s.stats.coreSeconds += since(coreStart);
-    s.scenePlan.push_back({"scene", "core", solved > 0,
-                           solved ? "solved for lights and geometry, instances: " + std::to_string(solved) +
-                                        ", the first: " + summary
-                                  : "no lit shell with a core that scatters",
-                           since(coreStart)});
+    s.scenePlan.push_back(
+        {"scene", "core", solved > 0,
+         solved ? "solved for lights and geometry, instances: " + std::to_string(solved) + ", the first: " + summary
+                : "no lit shell with a core that scatters",
+         since(coreStart)});
     // What is held now, not what was ever made: edits replace tables and grids.
     s.stats.tableBytes = s.stats.shellBytes = 0;
     std::set<const StfTable*> tables;

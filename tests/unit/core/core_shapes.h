@@ -59,8 +59,7 @@ inline CoreShape ball(float radius, std::size_t samples = 0, int rings = 48) {
     for (int i = 0; i <= rings; ++i) {
         for (int j = 0; j < around; ++j) {
             const float theta = 3.14159265f * float(i) / float(rings), phi = 6.28318531f * float(j) / float(around);
-            s.normals.push_back(
-                {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)});
+            s.normals.push_back({std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)});
             s.points.push_back(s.normals.back() * radius);
             // One point for each pole.
             s.points.back() = i == 0 || i == rings ? Vec3f(0, 0, i == 0 ? radius : -radius) : s.points.back();

@@ -89,7 +89,8 @@ TEST(CoreSolver, UniformShellReflectanceIsAGeometricSeries) {
             const CoreSolver solver = solved(s);
             for (int c = 0; c < 3; ++c) {
                 const float a = albedo(material(), c), expected = a / (1 - r * a);
-                EXPECT_NEAR(solver.dipoleExitance(s.positions[7])[c] / expected, 1, 1e-3f) << "r " << r << ", channel " << c;
+                EXPECT_NEAR(solver.dipoleExitance(s.positions[7])[c] / expected, 1, 1e-3f)
+                    << "r " << r << ", channel " << c;
             }
             EXPECT_LT(solver.iterations(), 100);
         }

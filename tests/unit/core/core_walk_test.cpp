@@ -115,8 +115,8 @@ TEST(CoreWalk, SlabsOfAPlainWalk) {
         Mean back, through, plainBack, plainThrough;
         slab(c.tau, c.absorption, 60000, back, through);
         plainSlab(c.tau, c.absorption, 200000, plainBack, plainThrough);
-        std::printf("tau %g: R %+.2f +- %.2f %%, T %+.2f +- %.2f %%\n", c.tau,
-                    100 * (back.value / plainBack.value - 1), 100 * std::hypot(back.error, plainBack.error) / plainBack.value,
+        std::printf("tau %g: R %+.2f +- %.2f %%, T %+.2f +- %.2f %%\n", c.tau, 100 * (back.value / plainBack.value - 1),
+                    100 * std::hypot(back.error, plainBack.error) / plainBack.value,
                     100 * (through.value / plainThrough.value - 1),
                     100 * std::hypot(through.error, plainThrough.error) / plainThrough.value);
         EXPECT_NEAR(back.value, plainBack.value, 4 * std::hypot(back.error, plainBack.error) + 0.005 * plainBack.value);
@@ -140,8 +140,8 @@ TEST(CoreWalk, NothingIsLostWithoutAbsorption) {
             // The middle of a triangle.
             const Vec3i t = s.triangles[s.triangles.size() / 3];
             const Vec3f a = s.points[std::size_t(t.x)], b = s.points[std::size_t(t.y)], c = s.points[std::size_t(t.z)];
-            const Mean all = leaving(s, grey(0, scattering), (a + b + c) / 3.0f, -normalize(cross(b - a, c - a)), 2000,
-                                     everywhere);
+            const Mean all =
+                leaving(s, grey(0, scattering), (a + b + c) / 3.0f, -normalize(cross(b - a, c - a)), 2000, everywhere);
             EXPECT_NEAR(all.value, 1, 1e-5) << scattering;
         }
     }
@@ -151,8 +151,8 @@ TEST(CoreWalk, StiffMediaReturnTheAlbedoOfAHalfSpace) {
     const CoreShape s = box(Vec3f(10));
     for (double absorption : {1e-7, 1e-3, 0.05, 0.5}) {
         const double sigma = 1e4;
-        const Mean r = leaving(s, grey(sigma * absorption, sigma * (1 - absorption)), {1, 2, 5}, {0, 0, -1}, 20000,
-                               everywhere);
+        const Mean r =
+            leaving(s, grey(sigma * absorption, sigma * (1 - absorption)), {1, 2, 5}, {0, 0, -1}, 20000, everywhere);
         const double exact = Dipole(absorption, 1 - absorption).diffuseAlbedo();
         EXPECT_NEAR(r.value, exact, 4 * r.error + 0.003 * exact) << absorption;
     }
