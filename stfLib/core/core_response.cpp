@@ -16,7 +16,7 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr std::size_t kMaxTermBytes = std::size_t(400) << 20;
 constexpr float kThin = 3, kThick = 5; ///< spread lengths between which walks give way to dipoles
 constexpr std::size_t kMostWalks = 512, kLeastWalks = 24;
-constexpr std::size_t kWalkBudget = 300'000; ///< together
+constexpr std::size_t kWalkBudget = 240'000; ///< together
 constexpr float kFar = 0.7f;                 ///< of the thickness: walks that end farther away are averaged
 constexpr float kSmooth = 0.6f;              ///< of the thickness: the radius within which
 constexpr float kLeastSpacings = 2.5f, kSmoothSpacings = 4.5f; ///< that radius at least and at most

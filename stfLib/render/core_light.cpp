@@ -18,7 +18,8 @@ namespace stf {
 namespace {
 
 constexpr float kPi = 3.14159265358979f;
-constexpr std::size_t kMinSamples = 400, kMaxSamples = 100'000;
+constexpr std::size_t kMinSamples = 400;
+constexpr std::size_t kMaxSamples = 24'000; ///< more take longer than they show
 constexpr double kSpacing = 0.5;                      ///< of the spread length, between samples
 constexpr double kFinestSpacing = 0.45;               ///< the same where thin parts ask for more
 constexpr std::size_t kProbes = 300;                  ///< of the thickness
