@@ -103,19 +103,7 @@ def Xform "World"
         )
     }}
 
-    def Mesh "Ground"
-    {{
-        float3[] extent = [(-300, 0, -300), (300, 0, 300)]
-        int[] faceVertexCounts = [4]
-        int[] faceVertexIndices = [0, 1, 2, 3]
-        point3f[] points = [(-300, 0, 300), (300, 0, 300), (300, 0, -300), (-300, 0, -300)]
-        normal3f[] normals = [(0, 1, 0), (0, 1, 0), (0, 1, 0), (0, 1, 0)] (
-            interpolation = "vertex"
-        )
-        color3f[] primvars:displayColor = [(0.25, 0.22, 0.2)]
-        uniform token subdivisionScheme = "none"
-    }}
-{usda.distant_light("Key", (-0.9, 0.75, 0.15), 2.6, "(1, 0.93, 0.82)", 2)}{usda.dome_light("Sky", 0.25,
+{usda.ground(300, "(0.25, 0.22, 0.2)")}{usda.distant_light("Key", (-0.9, 0.75, 0.15), 2.6, "(1, 0.93, 0.82)", 2)}{usda.dome_light("Sky", 0.25,
         "(0.85, 0.92, 1)")}{usda.camera((0, 8.5, 21), (0, 2.4, 0), 70, (24, 24), "(1, 1000)")}}}
 """
 

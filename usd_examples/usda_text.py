@@ -65,6 +65,24 @@ def dome_light(name, radiance, color):
 """
 
 
+def ground(half, color):
+    """A square of 2 * `half` in the plane y = 0."""
+    h = f"{half:g}"
+    return f"""    def Mesh "Ground"
+    {{
+        float3[] extent = [(-{h}, 0, -{h}), ({h}, 0, {h})]
+        int[] faceVertexCounts = [4]
+        int[] faceVertexIndices = [0, 1, 2, 3]
+        point3f[] points = [(-{h}, 0, {h}), ({h}, 0, {h}), ({h}, 0, -{h}), (-{h}, 0, -{h})]
+        normal3f[] normals = [(0, 1, 0), (0, 1, 0), (0, 1, 0), (0, 1, 0)] (
+            interpolation = "vertex"
+        )
+        color3f[] primvars:displayColor = [{color}]
+        uniform token subdivisionScheme = "none"
+    }}
+"""
+
+
 def camera(eye, target, focal_length, aperture, clipping):
     """Aperture and focal length in mm as printed on a lens; USD reads them as tenths of a unit, only the ratio counts."""
     return f"""

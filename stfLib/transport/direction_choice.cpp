@@ -215,17 +215,17 @@ DirectionChoice chooseDirections(const TileMedium& medium, WalkGroups& walks, do
     double error = 0;
     int p = polars;
     if (polars > 0) {
-        error = polars >= 3 ? polarError(pilots, DirectionSet(p, 1), {size.x, size.y, 1}) : 0.0;
+        error = polars >= 3 ? polarError(pilots, DirectionSet(p, 1, medium.topIor()), {size.x, size.y, 1}) : 0.0;
     } else {
         for (const int candidate : kPolars) {
             p = candidate;
-            error = polarError(pilots, DirectionSet(p, 1), {size.x, size.y, 1});
+            error = polarError(pilots, DirectionSet(p, 1, medium.topIor()), {size.x, size.y, 1});
             if (error <= 0.5 * squared) {
                 break;
             }
         }
     }
-    return {DirectionSet(p, a), std::sqrt(error + azimuthError)};
+    return {DirectionSet(p, a, medium.topIor()), std::sqrt(error + azimuthError)};
 }
 
 } // namespace stf

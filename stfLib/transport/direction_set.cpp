@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stfLib/transport/direction_set.h"
 
+#include "stfLib/optics/fresnel.h"
+
 namespace stf {
 
 namespace {
@@ -43,9 +45,13 @@ Around around(float phi, int azimuths) {
 
 } // namespace
 
-DirectionSet::DirectionSet(int polars, int azimuths)
+DirectionSet::DirectionSet(int polars, int azimuths, float topIor)
     : polars_(std::max(1, polars)), azimuths_(azimuths <= 1 ? 1 : azimuths + azimuths % 2),
-      step_(0.5f * kPi / float(polars_)) {}
+      step_(0.5f * kPi / float(polars_)), topIor_(topIor) {
+    for (int i = 0; i < polars_ && topIor != 1; ++i) {
+        entering_.push_back(1 - fresnelReflectance(std::cos(float(i) * step_), topIor));
+    }
+}
 
 Vec3f DirectionSet::direction(int index) const {
     if (index == 0) {
@@ -62,10 +68,11 @@ DirectionWeights DirectionSet::weights(const Vec3f& w) const {
     if (polars_ == 0 || !(w.z > 0) || !(theta >= 0)) {
         return result;
     }
+    const float entering = entering_.empty() ? 1.0f : 1 - fresnelReflectance(w.z, topIor_);
     if (polars_ == 1) {
         if (theta < 1) {
             result.index[0] = 0;
-            result.weight[0] = 1 - theta;
+            result.weight[0] = (1 - theta) * (entering_.empty() ? 1.0f : entering / entering_[0]);
             result.count = 1;
         }
         return result;
@@ -85,6 +92,9 @@ DirectionWeights DirectionSet::weights(const Vec3f& w) const {
         const int ring = base + i;
         if (ring == polars_) {
             continue;
+        }
+        if (!entering_.empty()) {
+            ringWeight[i] *= entering / entering_[std::size_t(std::abs(ring))];
         }
         if (ring == 0) {
             add(0, ringWeight[i]);

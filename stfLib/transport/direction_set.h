@@ -3,6 +3,8 @@
 
 #include "stfLib/base/vec.h"
 
+#include <vector>
+
 namespace stf {
 
 /// The directions of a set that a lookup reads, and their weights: their sum is 1 but near grazing light, some are
@@ -18,15 +20,18 @@ struct DirectionWeights {
 /// The light directions of a table: polar angles 0, d, 2d, ... below 90 degrees; one node at the pole, `azimuths` nodes
 /// around on every other ring, in the frame (tangent, bitangent, outward normal) of the tile. One azimuth means:
 /// averaged over azimuth. At 90 degrees the table is zero, since it is stored per perpendicular irradiance.
-/// Index 0 is the pole, then ring after ring.
+/// Index 0 is the pole, then ring after ring. Under a flat top that refracts, what is interpolated is the light that
+/// enters: values over 1 - F, without Fresnel's steep fall towards grazing light.
 class DirectionSet {
 public:
     DirectionSet() = default;
-    /// `polars` >= 1 counts the pole; `azimuths` is 1 or even (odd ones become the next).
-    DirectionSet(int polars, int azimuths);
+    /// `polars` >= 1 counts the pole; `azimuths` is 1 or even (odd ones become the next). `topIor`: index of a flat top
+    /// (TileMedium::topIor).
+    DirectionSet(int polars, int azimuths, float topIor = 1);
 
     int polars() const { return polars_; }
     int azimuths() const { return azimuths_; }
+    float topIor() const { return topIor_; }
     int count() const { return polars_ > 0 ? 1 + (polars_ - 1) * azimuths_ : 0; }
     /// Unit vector towards the light; z outward.
     Vec3f direction(int index) const;
@@ -40,6 +45,8 @@ public:
 private:
     int polars_ = 0, azimuths_ = 1;
     float step_ = 0; ///< radians between rings
+    float topIor_ = 1;
+    std::vector<float> entering_; ///< 1 - F of each ring; empty where nothing is refracted
 };
 
 } // namespace stf

@@ -14,7 +14,7 @@ namespace stf {
 
 namespace {
 
-constexpr int kAlgorithm = 6; // raise with every change that changes tables
+constexpr int kAlgorithm = 7; // raise with every change that changes tables
 // Shares of the wanted error that each source may take; noise gets what they leave.
 constexpr double kDirectionShare = 0.45, kFilterShare = 0.75;
 constexpr double kLeastShare = 0.1; // TileWalks::weight
@@ -66,7 +66,7 @@ public:
             choose(t);
             walked = walkDirections(c_, t);
         } else {
-            t.directions = DirectionSet(kPolarsOfClearMedia, 1);
+            t.directions = DirectionSet(kPolarsOfClearMedia, 1, c_.medium.topIor());
         }
         lightColumns(c_, walked, t);
         lightFromBelow(c_, t);
@@ -93,7 +93,7 @@ private:
             const int most = std::max(1, int(kMaxDirectionBytes / perDirection));
             int azimuths = (most - 1) / std::max(1, choice.set.polars() - 1) / 2 * 2;
             azimuths = azimuths < 4 ? 1 : azimuths;
-            t.directions = DirectionSet(choice.set.polars(), azimuths);
+            t.directions = DirectionSet(choice.set.polars(), azimuths, c_.medium.topIor());
             report(messages_, Severity::Warning,
                    "the volume is too large for " + std::to_string(choice.set.count()) +
                        " light directions: " + std::to_string(t.directions.count()) + " are used");

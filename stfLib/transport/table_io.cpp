@@ -24,7 +24,7 @@ namespace stf {
 
 namespace {
 
-constexpr int kTableVersion = 2;
+constexpr int kTableVersion = 3;
 constexpr int kLargestExponent = 13; ///< of a scaled factor: its largest value lies in [2^12, 2^13)
 constexpr int kMostDirections = 1 << 16;
 constexpr const char* kGroups[4] = {"", "_flux_x", "_flux_y", "_flux_z"};
@@ -224,6 +224,7 @@ openvdb::MetaMap header(const StfTable& t, const std::string& key) {
     m.insertMeta("stf:voxel_mm", vec3d(t.voxelMm.x, t.voxelMm.y, t.voxelMm.z));
     m.insertMeta("stf:polars", openvdb::Int32Metadata(t.directions.polars()));
     m.insertMeta("stf:azimuths", openvdb::Int32Metadata(t.directions.azimuths()));
+    m.insertMeta("stf:top_ior", openvdb::FloatMetadata(t.directions.topIor()));
     m.insertMeta("stf:form", openvdb::StringMetadata(name(t.form)));
     m.insertMeta("stf:volume_hash", openvdb::StringMetadata(t.volumeHash));
     m.insertMeta("stf:transmitted_up",
@@ -331,7 +332,11 @@ StfTable readHeader(const openvdb::MetaMap& m, const std::string& key) {
     if (!(minComponent(t.voxelMm) > 0) || !isFinite(t.voxelMm) || !isFinite(t.transmittedUp)) {
         throw Error("the table's header holds values that are not usable");
     }
-    t.directions = DirectionSet(polars, azimuths);
+    const float topIor = requiredMeta<openvdb::FloatMetadata>(m, "stf:top_ior");
+    if (!(topIor >= 1) || !std::isfinite(topIor)) {
+        throw Error("the table's header holds values that are not usable");
+    }
+    t.directions = DirectionSet(polars, azimuths, topIor);
     t.form = parseTransportForm(requiredMeta<openvdb::StringMetadata>(m, "stf:form"));
     t.volumeHash = requiredMeta<openvdb::StringMetadata>(m, "stf:volume_hash");
     t.photons = std::uint64_t(requiredMeta<openvdb::Int64Metadata>(m, "stf:photons"));

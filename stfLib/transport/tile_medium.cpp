@@ -126,6 +126,21 @@ float TileMedium::ior(const Vec3f& p) const {
     return ior_[std::size_t(x) + std::size_t(size_.x) * (std::size_t(y) + std::size_t(size_.y) * std::size_t(z))];
 }
 
+float TileMedium::topIor() const {
+    if (hasSurface() || !refracts_) {
+        return 1;
+    }
+    if (ior_.empty()) {
+        return std::max(1.0f, uniformIor_);
+    }
+    const std::size_t columns = std::size_t(size_.x) * std::size_t(size_.y);
+    double sum = 0;
+    for (std::size_t i = 0; i < columns; ++i) {
+        sum += double(ior_[i]);
+    }
+    return std::max(1.0f, float(sum / double(columns)));
+}
+
 Rgb TileMedium::opticalDepth(const Vec3f& position, const Vec3f& towards) const {
     Rgb depth(0.0f);
     const Vec3f d{float(towards.x / voxelMm_.x), float(towards.y / voxelMm_.y), float(-towards.z / voxelMm_.z)};

@@ -59,6 +59,8 @@ public:
     bool refracts() const { return refracts_; }
     bool openBottom() const { return openBottom_; }
     float ior(const Vec3f& position) const;
+    /// Mean index of a flat top; 1 under a relief, and where it is less than that.
+    float topIor() const;
 
     /// Visits the pieces of a straight line that lie in the material: visit(voxel, t0, t1), in order, until it returns
     /// false; t in the unit of the caller, `direction` in voxels per that unit. Surfaces are passed straight.

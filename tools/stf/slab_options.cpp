@@ -41,6 +41,9 @@ void SlabArguments::addTo(CLI::App& c) {
     c.add_option("--ior", ior_, "Index of refraction of the slab (outside is 1 on both faces), 1 to 2.5");
     c.add_option("--incidence", incidence_, "normal, diffuse or the cosine of parallel light to the normal");
     c.add_option("--profile", profile_, "Report the fluence at these optical depths: t1,t2,...")->delimiter(',');
+    c.add_option("--view", view_,
+                 "Of --method stf: report the reflectance factor (pi radiance / flux) towards these cosines: m1,m2,...")
+        ->delimiter(',');
     coreAlbedoGiven_ =
         c.add_option("--core-albedo", coreAlbedo_, "Put the slab on a half-infinite core of this albedo and its index");
     coreGGiven_ = c.add_option("--core-g", coreG_, "Mean cosine of the core");
@@ -116,6 +119,14 @@ SlabOptions SlabArguments::parse() const {
         o.form = parseTransportForm(form_);
     } catch (const Error& e) {
         refuse(std::string("--form: ") + e.what());
+    }
+    for (double mu : view_) {
+        require(mu >= 1e-6 && mu <= 1, "--view", mu, "a cosine of 1e-6 to 1");
+        o.view.push_back(mu);
+    }
+    if (!o.view.empty() && o.method == SlabOptions::Method::Walk) {
+        refuse("--view is of --method stf; walks tell the same by reciprocity: diffuse light seen at a cosine is the "
+               "reflectance of --incidence at that cosine");
     }
     require(quality_ > 0 && quality_ <= 1, "--quality", quality_, "a relative error above 0");
     o.quality = quality_;

@@ -25,6 +25,7 @@ struct SlabOptions {
     bool hasCore = false;
     double coreAlbedo = 0, coreG = 0; ///< of the half-infinite medium below, of the slab's index
     std::vector<double> profile;      ///< optical depths of the true medium
+    std::vector<double> view;         ///< of Method::Stf: cosines at which radiance is told
     enum class Method { Walk, Stf } method = Method::Walk;
     TransportForm form = TransportForm::DE1; ///< of Method::Stf
     double quality = 0.01;                   ///< of its table
@@ -50,7 +51,7 @@ public:
     bool json() const { return json_; }
 
 private:
-    std::vector<double> tau_{1}, albedo_{0.9}, g_{0}, profile_;
+    std::vector<double> tau_{1}, albedo_{0.9}, g_{0}, profile_, view_;
     double ior_ = 1, coreAlbedo_ = -1, coreG_ = 0, photons_ = 100'000, quality_ = 0.01;
     std::string incidence_ = "normal", method_ = "walk", form_ = "dE1";
     std::uint64_t seed_ = 0;

@@ -62,6 +62,9 @@ std::string slabJson(const SlabOptions& o, const SlabResult& r) {
     }
     if (o.method == SlabOptions::Method::Stf) {
         j["form"] = name(o.form);
+        for (const SlabResult::View& v : r.view) {
+            j["view"].push_back({{"mu", v.mu}, {"factor", v.factor}, {"stderr", v.error}});
+        }
         j["tileLayers"] = r.layers;
         j["tableError"] = r.tableError;
     }
@@ -87,6 +90,12 @@ std::string slabText(const SlabOptions& o, const SlabResult& r) {
         for (const SlabProfileRow& p : r.profile) {
             line("%10.6g %12.6f %12.6f %12.6f %10.1e\n", p.depth, p.single, p.multiple, p.backlight,
                  std::max({p.singleError, p.multipleError, p.sumError, p.backlightError}));
+        }
+    }
+    if (!r.view.empty()) {
+        line("\n%10s %12s %10s\n", "view", "factor", "stderr");
+        for (const SlabResult::View& v : r.view) {
+            line("%10.6g %12.6f %10.1e\n", v.mu, v.factor, v.error);
         }
     }
     line("\n%s, %s light, %llu photons, %llu collisions, %.2f s\n", methodName(o), incidenceName(o).c_str(),

@@ -28,7 +28,11 @@ struct SlabResult {
     double coreDepth = 0;           ///< optical depth that stood for a half-infinite core; 0 without or where not cut
     std::vector<std::string> notes; ///< what the reader should know of how it was computed
     std::vector<SlabProfileRow> profile;
+    struct View {
+        double mu = 0, factor = 0, error = 0; ///< pi radiance over incident flux; no mirror image of parallel light
+    };
     // Of --method stf.
+    std::vector<View> view;
     int layers = 0;        ///< of the tile
     double tableError = 0; ///< estimated, relative
 };

@@ -37,7 +37,7 @@ Vec3f cosineDirection(const Vec2f& u) {
 // What one table says of the slab.
 struct Told {
     double r = 0, t = 0, unscattered = 0, a = 0;
-    std::vector<double> single, multiple, backlight;
+    std::vector<double> single, multiple, backlight, view;
 };
 
 class TableSlab {
@@ -66,7 +66,14 @@ public:
 
     Told tell(Progress& progress, std::uint64_t paths, std::uint64_t seed) const {
         Told told;
-        told.r = specular() + uncollidedBack() + marched(progress, paths, seed);
+        told.r = specular() + uncollidedBack() + marched(progress, paths, seed, cosineDirection);
+        const bool parallel = o_.incidence == SlabOptions::Incidence::Parallel;
+        for (double mu : o_.view) {
+            const auto towards = [mu](const Vec2f& u) { return directionAt(mu, 2 * kPi * double(u.y)); };
+            const double mirrored =
+                parallel ? 0 : double(fresnelReflectance(float(mu), float(o_.ior))) + uncollidedBackAt(mu);
+            told.view.push_back(mirrored + marched(progress, paths, seed, towards));
+        }
         if (!o_.hasCore) {
             told.t = bottomIrradiance(table_.transmitted.get());
             told.unscattered = bottomIrradiance(table_.direct.get());
@@ -111,19 +118,21 @@ private:
         return overIncidence([&](double mu) { return fieldAt(f, 0, mu, false) / mu; });
     }
     // Light that never collides but comes back from an open bottom.
-    double uncollidedBack() const {
+    double uncollidedBackAt(double mu) const {
         if (o_.hasCore || o_.ior == 1) {
             return 0;
         }
-        return overIncidence([&](double mu) {
-            const UncollidedLight u = medium_.uncollided({0.5f, 0.5f, 0}, directionAt(mu));
-            const double f = double(fresnelReflectance(float(mu), float(o_.ior)));
-            return double(u.reflected.x) * double(u.towards.z) * (1 - f) / mu;
-        });
+        const UncollidedLight u = medium_.uncollided({0.5f, 0.5f, 0}, directionAt(mu));
+        const double f = double(fresnelReflectance(float(mu), float(o_.ior)));
+        return double(u.reflected.x) * double(u.towards.z) * (1 - f) / mu;
+    }
+    double uncollidedBack() const {
+        return overIncidence([&](double mu) { return uncollidedBackAt(mu); });
     }
 
-    // Mean over exit directions of what leaves, marched down from the top.
-    double marched(Progress& progress, std::uint64_t paths, std::uint64_t seed) const {
+    // Mean of pi times the radiance over exit directions `exitOf` two uniform numbers, marched down from the top.
+    template<class Exit>
+    double marched(Progress& progress, std::uint64_t paths, std::uint64_t seed, Exit&& exitOf) const {
         std::vector<double> sums((std::size_t(paths) + kGrain - 1) / kGrain);
         parallelFor(std::size_t(paths), kGrain, [&](std::size_t begin, std::size_t end) {
             if (progress.cancelled()) {
@@ -133,7 +142,7 @@ private:
             double sum = 0;
             for (std::size_t i = begin; i < end; ++i) {
                 PixelSampler sampler(seed, 0, std::uint32_t(i));
-                const Vec3f exit = cosineDirection(sampler.next2d());
+                const Vec3f exit = exitOf(sampler.next2d());
                 const Vec2f incident = sampler.next2d();
                 // A flux of 1, of parallel light or of one direction of a uniform sky for each path.
                 const Vec3f towards =
@@ -321,6 +330,10 @@ SlabResult slabByTable(const SlabOptions& o, Progress& progress) {
         const Mean b = meanOf(told, [&](const Told& t) { return t.backlight[i]; });
         result.profile.push_back(
             {o.profile[i], s.mean, m.mean, b.mean, s.error, std::hypot(s.error, m.error), m.error, b.error});
+    }
+    for (std::size_t i = 0; i < o.view.size(); ++i) {
+        const Mean v = meanOf(told, [&](const Told& t) { return t.view[i]; });
+        result.view.push_back({o.view[i], v.mean, v.error});
     }
     result.layers = volume.size.z;
     if (o.form == TransportForm::DE1) {

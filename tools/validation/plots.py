@@ -79,3 +79,25 @@ def tile(maps, path):
         axis.grid(False)
         figure.colorbar(shown, ax=axis, shrink=0.85)
     save(figure, path)
+
+
+def scene_tiles(maps, cases, path):
+    """Rendered image, Mitsuba's, and their difference, a row for each tile."""
+    figure, axes = plt.subplots(len(cases), 3, figsize=(7, 2.3 * len(cases)), squeeze=False)
+    for row, case in zip(axes, cases):
+        ours, theirs = (np.clip(maps[f"{case}|{who}"], 0, None) for who in ("ours", "mitsuba"))
+        brightest = np.percentile(theirs, 99.5)
+        for axis, values, title in ((row[0], ours, f"hdStf: {case}"), (row[1], theirs, "Mitsuba 3")):
+            shown = np.clip(values / brightest, 0, 1)**(1 / 2.2)
+            axis.imshow(np.broadcast_to(shown, (*shown.shape[:2], 3)), origin="lower", interpolation="nearest")
+            axis.set_title(title, fontsize=8)
+        difference = 100 * (ours - theirs).mean(axis=2)
+        bound = np.percentile(np.abs(difference), 99.5)
+        shown = row[2].imshow(difference, cmap="RdBu", vmin=-bound, vmax=bound, origin="lower", interpolation="nearest")
+        row[2].set_title("difference, % of the mean", fontsize=8)
+        figure.colorbar(shown, ax=row[2], shrink=0.85)
+        for axis in row:
+            axis.set_xticks([])
+            axis.set_yticks([])
+            axis.grid(False)
+    save(figure, path)

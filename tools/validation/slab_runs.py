@@ -23,6 +23,11 @@ class Slab:
             raise SystemExit(f"{' '.join(command)}\n{done.stderr}")
         return json.loads(done.stdout)
 
+    def make(self, *words):
+        """A base volume by `stf make`."""
+        subprocess.run([str(w) for w in (self.program, "make", *words)], check=True, stdin=subprocess.DEVNULL,
+                       stdout=subprocess.DEVNULL)
+
     def walk(self, *words):
         """Photons by a pilot: as many as the error asks for and the time allows."""
         pilot_photons = 4000

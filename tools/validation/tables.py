@@ -92,3 +92,30 @@ def mitsuba(rows):
     return table(["case", "R hdStf", "R Mitsuba", "sigmas apart", "clock", "processor time"],
                  [[r["case"], f"{r['R']:.6f}", f"{r['mitsubaR']:.6f}", f"{r['sigmas']:+.1f}",
                    f"{r['secondsToSameError']:.2f}", f"{r['cpuToSameError']:.2f}"] for r in rows])
+
+
+def _percent_and_error(row):
+    return f"{row['percent']:+.2f} +- {row['percentStderr']:.2f} %"
+
+
+def views(rows):
+    """Index of refraction by view cosine: difference with its standard error."""
+    cosines = list(dict.fromkeys(r["mu"] for r in rows))
+    body = []
+    for index in dict.fromkeys(r["n"] for r in rows):
+        mine = {r["mu"]: r for r in rows if r["n"] == index}
+        body.append([f"{index:g}", *(_percent_and_error(mine[mu]) for mu in cosines)])
+    return table(["index", *(f"cosine {mu:g}" for mu in cosines)], body)
+
+
+def reciprocity(rows):
+    return table(["index", "cosines", "there", "back", "difference"],
+                 [[f"{r['n']:g}", f"{r['other']:g}, {r['mu']:g}", f"{r['value']:.5f}", f"{r['exact']:.5f}",
+                   _percent_and_error(r)] for r in rows])
+
+
+def scene_tiles(rows):
+    return table(["tile", "wanted", "mean", "rms over the mean", "rms, relative to each pixel", "noise", "border"],
+                 [[r["case"], f"{100 * r['allowed']:g} %", f"{100 * r['meanDifference']:+.2f} %",
+                   f"{100 * r['rms']:.2f} %", f"{100 * r['relative']:.2f} %", f"{100 * r['noise']:.2f} %",
+                   f"{r['borders']:+.1f}"] for r in rows])

@@ -3,8 +3,8 @@
 
 Usage: validate.py [--build FOLDER] [--docs FOLDER] [--quick] [--stderr 2e-4] [--seconds 4] [--quality .01]
 
-Runs `stf slab` over tests/data/reference/slab_cases.json, reads FOLDER/bench/transport.json where `./run bench` has
-written it, and fills the placeholders of validation.md.in. The measurements are kept in FOLDER/validation.json;
+Runs `stf slab` over tests/data/reference/slab_cases.json, renders scenes of flat shells, reads what `./run bench` has
+written to FOLDER/bench (transport.json, scene_tiles.json), and fills the placeholders of validation.md.in. The measurements are kept in FOLDER/validation.json;
 --replay writes the document from there again.
 """
 
@@ -12,9 +12,12 @@ import argparse
 import json
 import pathlib
 import re
+import tempfile
 import time
 
+import flat_scene
 import plots
+import scene_runs
 import slab_runs
 import tables
 
@@ -22,6 +25,7 @@ import numpy as np
 
 TOP = pathlib.Path(__file__).resolve().parent.parent.parent
 NOT_MEASURED = "*Not measured: `./run bench` has not been run in this build folder.*"
+NO_TILES = "*Not measured: `bench/scene_tiles.py --mitsuba-python PYTHON` has not been run for this build folder.*"
 NO_MITSUBA = "*Not measured: `./run bench --mitsuba-python PYTHON` wants a Python with Mitsuba 3.*"
 
 
@@ -34,8 +38,13 @@ def measure(arguments):
     def log(text):
         print(f"[{time.monotonic() - start:5.0f} s] {text}", flush=True)
 
+    with tempfile.TemporaryDirectory() as folder:
+        recorder = flat_scene.Recorder(arguments.build, folder)
+        scenes = scene_runs.measure(slab, recorder, 0.05 if arguments.quick else 0.003, 64 if arguments.quick else 512,
+                                    log)
     isotropic = next(c for c in cases["cases"] if c["n"] == 1 and c["tau"] == 16)
     return {"stderr": arguments.stderr, "seconds": arguments.seconds, "quality": arguments.quality,
+            "scenes": scenes,
             "homogeneous": slab_runs.homogeneous(slab, cases["cases"], log),
             "layered": slab_runs.layered(slab, cases["layered"], log),
             "profiles": slab_runs.profiles(slab, cases["internal_fluence"], log),
@@ -82,6 +91,19 @@ def transport_chapter(bench, maps, images):
     return told
 
 
+def scene_chapter(found, bench, maps, images):
+    """Rendered scenes: flat slabs, and heterogeneous tiles beside Mitsuba."""
+    told = {"scene_quality": f"{100 * found['quality']:g}", "scene_tables": tables.views(found["tables"]),
+            "scene_walks": tables.views(found["walks"]), "furnaces": tables.views(found["furnaces"]),
+            "reciprocity": tables.reciprocity(found["reciprocity"]), "scene_tiles": NO_TILES, "scene_tile_plot": ""}
+    if bench and maps.exists():
+        with np.load(maps) as layers:
+            plots.scene_tiles(dict(layers), [r["case"] for r in bench["rows"]], images / "scene_tiles.png")
+        told.update(scene_tiles=tables.scene_tiles(bench["rows"]),
+                    scene_tile_plot="![Rendered tiles, Mitsuba and differences](images/scene_tiles.png)")
+    return told
+
+
 def write_document(told, docs):
     """The template with all placeholders filled; one that nobody fills is a mistake."""
     text = (pathlib.Path(__file__).resolve().parent / "validation.md.in").read_text()
@@ -115,6 +137,7 @@ def main():
     plots.quality(found["overQuality"], images / "error_over_quality.svg")
     case = found["qualityCase"]
     bench = arguments.build / "bench" / "transport.json"
+    tiles = arguments.build / "bench" / "scene_tiles.json"
     told = {
         "walk_stderr": f"{found['stderr']:g}", "walk_seconds": f"{found['seconds']:g}",
         "table_quality": f"{100 * found['quality']:g}",
@@ -123,6 +146,8 @@ def main():
         "profiles": tables.profiles(found["profiles"]), "over_g": tables.over_g(found["overG"]),
         "quality": tables.quality(found["overQuality"]),
         "quality_case": f"tau {case['tau']:g}, albedo {case['albedo']:g}, isotropic, index 1",
+        **scene_chapter(found["scenes"], json.loads(tiles.read_text()) if tiles.exists() else None,
+                        tiles.with_suffix(".npz"), images),
         **transport_chapter(json.loads(bench.read_text()) if bench.exists() else None,
                             arguments.build / "bench" / "tile_check.npz", images)}
     print(write_document(told, arguments.docs))

@@ -228,6 +228,45 @@ TEST(SlabTable, IsotropicSlabsAreExact) {
     expectTotals({"--tau", "5", "--albedo", "0", "--ior", "1"}, 0, std::exp(-5), 1e-3);
 }
 
+// Diffuse light seen at a cosine is what is reflected of parallel light from there: Helmholtz's reciprocity, which
+// isotropic tables keep.
+TEST(SlabTable, ViewsAreReciprocal) {
+    const std::vector<std::string> slab = {"--tau", "2", "--albedo", "0.9", "--ior", "1.3"};
+    std::vector<std::string> words = slab;
+    words.insert(words.end(),
+                 {"--photons", "20000", "--quality", "0.01", "--method", "stf", "--incidence", "diffuse", "--view"});
+    const double cosines[] = {0.9, 0.5, 0.2};
+    words.push_back(text(cosines[0]) + "," + text(cosines[1]) + "," + text(cosines[2]));
+    const SlabResult seen = tabulated(words);
+    ASSERT_EQ(seen.view.size(), 3u);
+    for (int i = 0; i < 3; ++i) {
+        std::vector<std::string> other = slab;
+        other.insert(other.end(), {"--photons", "200000", "--incidence", text(cosines[i])});
+        const SlabResult lit = walked(other);
+        EXPECT_LE(seen.view[std::size_t(i)].error, 0.01);
+        expectWithin(seen.view[std::size_t(i)].factor, std::hypot(seen.view[std::size_t(i)].error, lit.rError), lit.r,
+                     4, 0.01 * lit.r);
+    }
+    EXPECT_THROW(parsed({"--view", "0.5"}), CLI::ValidationError); // walks tell it by --incidence
+    EXPECT_THROW(parsed({"--method", "stf", "--view", "1.5"}), CLI::ValidationError);
+}
+
+// Light that grazes a refracting top: Fresnel's fall is not left to the interpolation between directions.
+TEST(SlabTable, GrazingLightEntersByFresnel) {
+    for (const double mu : {0.05, 0.2}) {
+        const std::vector<std::string> slab = {"--tau", "1",     "--albedo", "1",           "--core-albedo",
+                                               "0",     "--ior", "1.5",      "--incidence", text(mu)};
+        std::vector<std::string> words = slab;
+        words.insert(words.end(), {"--photons", "20000", "--quality", "0.005"});
+        const SlabResult table = tabulated(words);
+        words = slab;
+        words.insert(words.end(), {"--photons", "400000"});
+        const SlabResult walks = walked(words);
+        expectWithin(table.a, std::hypot(table.aError, walks.aError), walks.a, 4, 0.01 * walks.a); // into the core
+        expectWithin(table.r, std::hypot(table.rError, walks.rError), walks.r, 4, 0.003);
+    }
+}
+
 TEST(SlabTable, ShellOverACore) {
     const SlabResult s = tabulated(
         {"--tau", "2", "--albedo", "0.9", "--core-albedo", "0.99", "--photons", "20000", "--quality", "0.02"});

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "stfLib/optics/fresnel.h"
 #include "stfLib/transport/direction_set.h"
 
 #include <functional>
@@ -131,6 +132,12 @@ TEST(DirectionSet, ReproducesCubicsInThePolarAngle) {
                       3e-5);
         }
     }
+    // Under a top that refracts the same of what enters.
+    const auto enters = [&](double t, double) {
+        return (end * end - t * t) * (1 - double(fresnelReflectance(float(std::cos(t)), 1.5f)));
+    };
+    EXPECT_LT(worstError(DirectionSet(4, 1, 1.5f), enters, 0, 0.5f * kPi), 1e-5);
+    EXPECT_GT(worstError(DirectionSet(4, 1), enters, 0, 0.5f * kPi), 0.02) << "which Fresnel's fall would spoil";
     // Two rings: one cubic through both sides of the pole, zero at 90 degrees.
     EXPECT_LT(worstError(
                   DirectionSet(2, 1), [&](double t, double) { return end * end - t * t; }, 0, 0.5f * kPi),
