@@ -33,8 +33,8 @@ struct CoreBoundary {
 /// Immutable after construction; `apply` from one thread at a time uses all.
 class CoreResponse {
 public:
-    static constexpr float kEpsilon =
-        0.3f; ///< of the tree's sums, see SampleTree::terms; they are off by a fiftieth of it
+    /// Of the tree's sums, see SampleTree::terms; what they are off by is a fiftieth of it.
+    static constexpr float kEpsilon = 0.5f;
 
     /// Dipoles only. `epsilon` 0: direct sums.
     CoreResponse(const CoreMaterial& material, const SurfacePoints& samples, float epsilon = kEpsilon);
