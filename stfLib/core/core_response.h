@@ -28,8 +28,7 @@ struct CoreBoundary {
 /// material and shape, not on light. Rows are
 /// - dipoles, scaled so that uniform irradiance E gives exactly R_cd E, summed over a tree within a bound of error, or
 /// - where the core is thinner than four diffusion lengths (a smooth change from five to three), walks from all over
-/// the
-///   sample's part of the boundary. By reciprocity they are light that arrives from where they end.
+///   the sample's part of the boundary. By reciprocity they are light that arrives from where they end.
 /// Immutable after construction; `apply` from one thread at a time uses all.
 class CoreResponse {
 public:

@@ -364,7 +364,7 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
     std::string summary;
     for (PreparedInstance& i : s.scene->instances) {
         const ShellObject* shell = i.mesh->shell.get();
-        if (shell && !shell->coreBlack && (s.scene->lights.count() > 0 || emits(i))) {
+        if (shell && !shell->coreBlack && (s.scene->lights.count() > 0 || emits(i) || bounces)) {
             ++solved;
             const std::shared_ptr<const ShellCore> core = s.cores.prepare(*shell, s.settings.seed, progress);
             i.core = shell->grid->spreadCoreRadiance(
