@@ -135,6 +135,7 @@ protected:
         binding.baseVolume = file;
         binding.quality = 0.1f;
         binding.coreModel = core ? "dipole" : "none";
+        binding.thickness = core ? 0.5f : 0.0f;
         binding.coreSigmaA = Rgb(0.1f);
         binding.coreSigmaSPrime = Rgb(4.0f);
         scene_.setStf(id, binding);
@@ -315,7 +316,7 @@ TEST_F(PlainScene, ShellLightsSurfaces) {
 TEST_F(PlainScene, CoresTakeLightOfSurfaces) {
     addSquare("/shell", {0, 0, 0}, {0.3f, 0, 0}, {0, 0.3f, 0}, lambert(Rgb(0.5f)));
     giveShell("/shell", true);
-    lookAt({0.1, 0, 0.5}, {0, 0, 0}, 0.02);
+    lookAt({0, 0, 0.5}, {0, 0, 0}, 0.02);
     settings_.samples = 32;
     Light dome;
     dome.type = Light::Type::Dome;
@@ -334,9 +335,10 @@ TEST_F(PlainScene, CoresAreLitThroughHoles) {
     addSquare("/shell", {0, 0, 0}, {0.5f, 0, 0}, {0, 0.5f, 0}, lambert(Rgb(0.5f)));
     giveShell("/shell", true);
     addDistant({0, 0, 1}, 2);
-    lookAt({0.1, 0, 0.5}, {0, 0, 0}, 0.02);
+    lookAt({0, 0, 0.5}, {0, 0, 0}, 0.02);
     settings_.maxDepth = 0;
     const double open = mean(Aov::StfCore).mean;
+    EXPECT_GT(open, 0.02);
     PreviewSurface veil = lambert(Rgb(0.5f));
     veil.opacityIsPresence = true;
     for (const float opacity : {0.0f, 0.25f, 1.0f}) {
