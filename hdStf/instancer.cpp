@@ -16,6 +16,7 @@
 #include "pxr/imaging/hd/sceneDelegate.h"
 #include "pxr/imaging/hd/tokens.h"
 
+#include <algorithm>
 #include <string>
 
 PXR_NAMESPACE_OPEN_SCOPE
@@ -121,16 +122,82 @@ void HdStfInstancer::_PullPrimvarsIfDirty() {
 #endif
 
 VtMatrix4dArray HdStfInstancer::ComputeInstanceTransforms(SdfPath const& prototypeId) {
+    return _ComputeTransforms(prototypeId, _When::Present, nullptr, nullptr);
+}
+
+std::vector<HdStfMatrixSamples> HdStfInstancer::ComputeInstanceMotion(SdfPath const& prototypeId) {
+    double open = 0;
+    double close = 0;
+    const VtMatrix4dArray first = _ComputeTransforms(prototypeId, _When::First, &open, &close);
+    const VtMatrix4dArray last = _ComputeTransforms(prototypeId, _When::Last, &open, &close);
+    std::vector<HdStfMatrixSamples> motion;
+    if (open < close && first.size() == last.size() && first != last) {
+        motion.resize(first.size());
+        for (size_t i = 0; i < first.size(); ++i) {
+            if (first[i] != last[i]) {
+                motion[i] = {{open, first[i]}, {close, last[i]}};
+            }
+        }
+    }
+    return motion;
+}
+
+HdStfInstancer::_Ends HdStfInstancer::_SampleEnds() {
+    SdfPath const& id = GetId();
+    _Ends ends;
+    std::lock_guard<std::mutex> lock(_mutex);
+    ends.first.primvars = ends.last.primvars = _primvars;
+    const HdStfMatrixSamples transforms = HdStfSampleInstancerTransform(GetDelegate(), id);
+    ends.first.transform = ends.last.transform = GetDelegate()->GetInstancerTransform(id);
+    if (!transforms.empty()) {
+        ends.first.transform = transforms.front().second;
+        ends.last.transform = transforms.back().second;
+        ends.open = transforms.front().first;
+        ends.close = transforms.back().first;
+    }
+    for (HdPrimvarDescriptor const& primvar : GetDelegate()->GetPrimvarDescriptors(id, HdInterpolationInstance)) {
+        VtValue* first = _Slot(ends.first.primvars, primvar.name.GetString());
+        if (!first) {
+            continue;
+        }
+        HdTimeSampleArray<VtValue, 16> samples;
+        GetDelegate()->SamplePrimvar(id, primvar.name, &samples);
+        if (samples.count < 2 || samples.values[0].GetArraySize() != samples.values[samples.count - 1].GetArraySize()) {
+            continue;
+        }
+        const auto [open, close] = std::minmax_element(samples.times.begin(), samples.times.begin() + samples.count);
+        if (!(*open < *close)) {
+            continue;
+        }
+        *first = samples.values[static_cast<size_t>(open - samples.times.begin())];
+        *_Slot(ends.last.primvars, primvar.name.GetString()) =
+            samples.values[static_cast<size_t>(close - samples.times.begin())];
+        ends.open = std::min(ends.open, static_cast<double>(*open));
+        ends.close = std::max(ends.close, static_cast<double>(*close));
+    }
+    return ends;
+}
+
+VtMatrix4dArray HdStfInstancer::_ComputeTransforms(SdfPath const& prototypeId, _When when, double* open,
+                                                   double* close) {
 #if !HDSTF_HAS_INSTANCER_SYNC
     _PullPrimvarsIfDirty();
 #endif
-    const GfMatrix4d instancerTransform = GetDelegate()->GetInstancerTransform(GetId());
+    _State state;
+    if (when == _When::Present) {
+        state = {_primvars, GetDelegate()->GetInstancerTransform(GetId())};
+    } else {
+        const _Ends ends = _SampleEnds();
+        state = when == _When::First ? ends.first : ends.last;
+        *open = std::min(*open, ends.open);
+        *close = std::max(*close, ends.close);
+    }
     const VtIntArray indices = GetDelegate()->GetInstanceIndices(GetId(), prototypeId);
     VtMatrix4dArray transforms(indices.size());
     GfMatrix4d* own = transforms.data();
     for (size_t i = 0; i < indices.size(); ++i) {
         const size_t index = static_cast<size_t>(indices[i]);
-        own[i] = ComputeTransform(_primvars, index) * instancerTransform;
+        own[i] = ComputeTransform(state.primvars, index) * state.transform;
     }
 
     if (GetParentId().IsEmpty()) {
@@ -140,7 +207,7 @@ VtMatrix4dArray HdStfInstancer::ComputeInstanceTransforms(SdfPath const& prototy
     if (!TF_VERIFY(parent)) {
         return transforms;
     }
-    const VtMatrix4dArray outer = static_cast<HdStfInstancer*>(parent)->ComputeInstanceTransforms(GetId());
+    const VtMatrix4dArray outer = static_cast<HdStfInstancer*>(parent)->_ComputeTransforms(GetId(), when, open, close);
     VtMatrix4dArray flat(outer.size() * transforms.size());
     GfMatrix4d* result = flat.data();
     for (GfMatrix4d const& parentTransform : outer) {

@@ -2,7 +2,9 @@
 #pragma once
 
 #include "hdStf/hydraCompat.h"
+#include "hdStf/motionSamples.h"
 
+#include "pxr/base/gf/matrix4d.h"
 #include "pxr/base/vt/array.h"
 #include "pxr/base/vt/types.h"
 #include "pxr/base/vt/value.h"
@@ -38,6 +40,10 @@ public:
     /// One matrix per instance of \p prototypeId, instance to world (the prototype's own transform comes before).
     VtMatrix4dArray ComputeInstanceTransforms(SdfPath const& prototypeId);
 
+    /// Where each of those instances is when the shutter opens and when it closes (of the host's sampling camera), with
+    /// the times; empty where all of them are at rest. What is sampled in between is left aside.
+    std::vector<HdStfMatrixSamples> ComputeInstanceMotion(SdfPath const& prototypeId);
+
     /// What the primvars of one instance are worth: scale, then rotate, then translate, after instanceTransform. Values
     /// may be of any of the types hosts use (Vec4f real first, quaternions, float or half or double); empty ones and
     /// indices beyond an array mean identity.
@@ -47,6 +53,19 @@ public:
     static GfMatrix4d ComputeTransform(Primvars const& primvars, size_t index);
 
 private:
+    /// Instancer and primvars at one time.
+    struct _State {
+        Primvars primvars;
+        GfMatrix4d transform{1.0};
+    };
+    /// At the first and at the last sample, with their times.
+    struct _Ends {
+        _State first, last;
+        double open = 0, close = 0;
+    };
+    enum class _When { Present, First, Last };
+    VtMatrix4dArray _ComputeTransforms(SdfPath const& prototypeId, _When when, double* open, double* close);
+    _Ends _SampleEnds();
     void _PullPrimvars(HdDirtyBits dirtyBits);
 #if !HDSTF_HAS_INSTANCER_SYNC
     void _PullPrimvarsIfDirty();

@@ -48,7 +48,7 @@ void HdStfMesh::Sync(HdSceneDelegate* sceneDelegate, HdRenderParam* renderParam,
     if (bits & HdChangeTracker::DirtyPrimvar) {
         _PullBinding(sceneDelegate, param, changes);
     }
-    _PullInstances(sceneDelegate, bits, changes);
+    _PullInstances(sceneDelegate, param.ShutterOpens(), bits, changes);
     if (HdChangeTracker::IsVisibilityDirty(bits, id)) {
         _UpdateVisibility(sceneDelegate, dirtyBits);
         changes.visible = _visible != IsVisible();
@@ -87,7 +87,7 @@ TfToken HdStfMesh::_PullMaterial(HdSceneDelegate* sceneDelegate, HdDirtyBits dir
     return sprim ? static_cast<HdStfMaterial*>(sprim)->GetUvPrimvar() : TfToken();
 }
 
-void HdStfMesh::_PullInstances(HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits, _Changes& changes) {
+void HdStfMesh::_PullInstances(HdSceneDelegate* sceneDelegate, bool moving, HdDirtyBits dirtyBits, _Changes& changes) {
     SdfPath const& id = GetId();
     const bool transformDirty = HdChangeTracker::IsTransformDirty(dirtyBits, id);
     if (!transformDirty && !HdChangeTracker::IsInstancerDirty(dirtyBits, id) &&
@@ -101,12 +101,27 @@ void HdStfMesh::_PullInstances(HdSceneDelegate* sceneDelegate, HdDirtyBits dirty
     HdInstancer* instancer =
         GetInstancerId().IsEmpty() ? nullptr : sceneDelegate->GetRenderIndex().GetInstancer(GetInstancerId());
     if (GetInstancerId().IsEmpty()) {
-        instances.push_back({HdStfToTransform(_transform), 0});
+        stf::MeshInstance instance = {HdStfToTransform(_transform), 0, {}};
+        if (moving) {
+            for (auto const& [time, matrix] : HdStfSampleTransform(sceneDelegate, id)) {
+                instance.motion.push_back({time, HdStfToTransform(matrix)});
+            }
+        }
+        instances.push_back(std::move(instance));
     } else if (TF_VERIFY(instancer)) {
         const VtMatrix4dArray transforms = static_cast<HdStfInstancer*>(instancer)->ComputeInstanceTransforms(id);
+        std::vector<HdStfMatrixSamples> motion;
+        if (moving) {
+            motion = static_cast<HdStfInstancer*>(instancer)->ComputeInstanceMotion(id);
+        }
+        motion.resize(transforms.size());
         instances.reserve(transforms.size());
         for (GfMatrix4d const& transform : transforms) {
-            instances.push_back({HdStfToTransform(_transform * transform), static_cast<int32_t>(instances.size())});
+            const size_t index = instances.size();
+            instances.push_back({HdStfToTransform(_transform * transform), static_cast<int32_t>(index), {}});
+            for (auto const& [time, matrix] : motion[index]) {
+                instances.back().motion.push_back({time, HdStfToTransform(_transform * matrix)});
+            }
         }
     }
     changes.instances = instances != _instances;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStf/renderDelegate.h"
 
+#include "hdStf/camera.h"
 #include "hdStf/instancer.h"
 #include "hdStf/light.h"
 #include "hdStf/material.h"
@@ -10,10 +11,10 @@
 #include "hdStf/renderStats.h"
 #include "hdStf/settings.h"
 #include "hdStf/tokens.h"
+#include "stfLib/render/denoiser.h"
 
 #include "pxr/base/gf/vec3f.h"
 #include "pxr/base/gf/vec4f.h"
-#include "pxr/imaging/hd/camera.h"
 #include "pxr/imaging/hd/extComputation.h"
 #include "pxr/imaging/hd/tokens.h"
 
@@ -152,7 +153,7 @@ void HdStfRenderDelegate::DestroyRprim(HdRprim* rprim) {
 
 HdSprim* HdStfRenderDelegate::CreateSprim(TfToken const& typeId, SdfPath const& sprimId) {
     if (typeId == HdPrimTypeTokens->camera) {
-        return new HdCamera(sprimId);
+        return new HdStfCamera(sprimId);
     }
     if (typeId == HdPrimTypeTokens->material) {
         return new HdStfMaterial(sprimId);
@@ -214,6 +215,10 @@ HdAovDescriptor HdStfRenderDelegate::GetDefaultAovDescriptor(TfToken const& name
     if (!stf::aovFromName(name.GetString(), aov)) {
         return HdAovDescriptor();
     }
+    if (std::string why; aov == stf::Aov::Denoised && !stf::Denoiser::available(&why)) {
+        _messages.Report(stf::Severity::Warning, "AOV \"denoised\": " + why);
+        return HdAovDescriptor();
+    }
     if (aov == stf::Aov::Depth) {
         return HdAovDescriptor(HdFormatFloat32, false, VtValue(1.0f));
     }
@@ -240,7 +245,16 @@ stf::RenderSettings HdStfRenderDelegate::GetStfSettings() const {
     settings.quality = GetRenderSetting<float>(HdStfRenderSettingsTokens->quality, settings.quality);
     settings.errorTarget = GetRenderSetting<float>(HdStfRenderSettingsTokens->errorTarget, settings.errorTarget);
     settings.transport = GetRenderSetting<std::string>(HdStfRenderSettingsTokens->transport, settings.transport);
+    settings.pixelFilter = GetRenderSetting<std::string>(HdStfRenderSettingsTokens->pixelFilter, settings.pixelFilter);
+    settings.pixelFilterWidth =
+        GetRenderSetting<float>(HdStfRenderSettingsTokens->pixelFilterWidth, settings.pixelFilterWidth);
+    settings.depthOfField = GetRenderSetting<bool>(HdStfRenderSettingsTokens->depthOfField, settings.depthOfField);
+    settings.motionBlur = GetRenderSetting<bool>(HdStfRenderSettingsTokens->motionBlur, settings.motionBlur);
     return settings;
+}
+
+GfVec4f HdStfRenderDelegate::GetDataWindowNDC() const {
+    return GetRenderSetting<GfVec4f>(HdStfRenderSettingsTokens->dataWindowNDC, GfVec4f(0, 0, 1, 1));
 }
 
 double HdStfRenderDelegate::GetMetersPerUnit() const {

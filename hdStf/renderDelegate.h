@@ -88,6 +88,8 @@ public:
     /// The values of the settings now, as stfLib takes them.
     stf::RenderSettings GetStfSettings() const;
     double GetMetersPerUnit() const;
+    /// Which part of the frame the buffers hold: x and y from, x and y to, shares of the frame from its lower left.
+    GfVec4f GetDataWindowNDC() const;
     /// What prims have made of the host's scene. To be looked at by tests, from the thread that executes.
     stf::Scene const& GetScene() const {
         return _scene;
@@ -98,7 +100,7 @@ private:
 
     HdRenderSettingDescriptorList _settingDescriptors;
     HdResourceRegistrySharedPtr _resourceRegistry;
-    HdStfMessages _messages;
+    mutable HdStfMessages _messages; // a list of what was said; const queries may have something to say
     stf::Scene _scene;
     HdStfRenderJob _job;
     HdStfRenderParam _renderParam;

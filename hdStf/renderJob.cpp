@@ -83,14 +83,16 @@ HdStfRenderJob::~HdStfRenderJob() {
     _thread.StopThread();
 }
 
-void HdStfRenderJob::SetSettings(stf::RenderSettings const& settings) {
+void HdStfRenderJob::SetSettings(stf::RenderSettings const& settings, bool denoise) {
     StopRender();
+    _denoise = denoise;
     _samplesWanted = settings.samples;
     _renderer.setSettings(settings);
 }
 
 void HdStfRenderJob::SetCamera(stf::Matrix4 const& worldToView, stf::Matrix4 const& projection,
-                               HdStfWindow const& window) {
+                               stf::CameraOptics const& optics, HdStfWindow const& window,
+                               stf::FrameWindow const& frame) {
     StopRender();
     _window = window;
     _cameraUsable = false;
@@ -98,7 +100,7 @@ void HdStfRenderJob::SetCamera(stf::Matrix4 const& worldToView, stf::Matrix4 con
         return;
     }
     try {
-        _renderer.setCamera(stf::Camera(worldToView, projection), window.width, window.height);
+        _renderer.setCamera(stf::Camera(worldToView, projection, optics), frame);
         _cameraUsable = true;
     } catch (std::exception const& error) {
         _messages.Report(stf::Severity::Error, std::string("camera: ") + error.what() + "; nothing is rendered");
@@ -229,6 +231,10 @@ void HdStfRenderJob::_RenderUntilConverged(stf::Progress& progress) {
         if (!_renderer.renderPass(progress)) {
             return;
         }
+        if (_renderer.converged() && _WantsDenoised()) {
+            _SetStage("denoise", 0);
+            _renderer.denoise();
+        }
         const _Clock::time_point now = _Clock::now();
         const double sinceWrite = _Seconds(now - lastWrite).count();
         const bool due = sinceWrite >= std::max(_minSecondsBetweenWrites, writeSeconds / _writeTimeShare);
@@ -240,6 +246,13 @@ void HdStfRenderJob::_RenderUntilConverged(stf::Progress& progress) {
             writeSeconds = _Seconds(lastWrite - now).count();
         }
     }
+}
+
+bool HdStfRenderJob::_WantsDenoised() const {
+    return _denoise || std::any_of(_bindings.begin(), _bindings.end(), [](HdRenderPassAovBinding const& binding) {
+               stf::Aov aov;
+               return stf::aovFromName(binding.aovName.GetString(), aov) && aov == stf::Aov::Denoised;
+           });
 }
 
 void HdStfRenderJob::_WaitWhilePaused() const {
@@ -263,6 +276,9 @@ void HdStfRenderJob::_WriteAov(HdRenderPassAovBinding const& binding, std::vecto
     stf::Aov aov;
     if (!stf::aovFromName(binding.aovName.GetString(), aov)) {
         return;
+    }
+    if (aov == stf::Aov::Color && _denoise) {
+        aov = stf::Aov::Denoised; // the colour itself, until that is there
     }
     auto* buffer = static_cast<HdStfRenderBuffer*>(binding.renderBuffer);
     const int channels = stf::aovChannels(aov);

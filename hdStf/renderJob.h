@@ -44,9 +44,12 @@ public:
     HdStfRenderJob(stf::Scene& scene, HdStfMessages& messages);
     ~HdStfRenderJob();
 
-    void SetSettings(stf::RenderSettings const& settings);
-    /// \p window: the pixels of the AOV buffers that are rendered, rows from the bottom up.
-    void SetCamera(stf::Matrix4 const& worldToView, stf::Matrix4 const& projection, HdStfWindow const& window);
+    /// \p denoise: the converged colour is shown without its noise.
+    void SetSettings(stf::RenderSettings const& settings, bool denoise);
+    /// \p window: the pixels of the AOV buffers that are rendered, rows from the bottom up. \p frame: which part they
+    /// are of what the projection covers; as large as the window.
+    void SetCamera(stf::Matrix4 const& worldToView, stf::Matrix4 const& projection, stf::CameraOptics const& optics,
+                   HdStfWindow const& window, stf::FrameWindow const& frame);
     /// Every binding has its buffer resolved to a pointer, or none.
     void SetAovBindings(HdRenderPassAovBindingVector const& bindings);
     /// Drops all bindings to \p buffer.
@@ -79,6 +82,7 @@ private:
     void _RenderUntilConverged(stf::Progress& progress);
     void _WriteAovs();
     void _WriteAov(HdRenderPassAovBinding const& binding, std::vector<int32_t> const& primIds);
+    bool _WantsDenoised() const;
     void _WaitWhilePaused() const;
     void _TakeStats(bool withError);
     void _SetStage(std::string const& stage, double fraction);
@@ -97,6 +101,7 @@ private:
     HdRenderPassAovBindingVector _bindings;
     HdStfWindow _window;
     bool _cameraUsable = false;
+    bool _denoise = false;
     int _samplesWanted = 0;
     _Clock::time_point _start;
 

@@ -30,6 +30,11 @@ public:
     /// The scene's version; grows with each pass through the gate.
     int GetSceneVersion() const { return _sceneVersion.load(); }
 
+    /// Whether some camera's shutter is open for a while, so that it is worth asking how prims move. Cameras sync
+    /// before prims.
+    void SetShutterOpens() { _shutterOpens.store(true); }
+    bool ShutterOpens() const { return _shutterOpens.load(); }
+
     /// A render buffer goes away: nothing may be written to it any more.
     void ForgetBuffer(HdStfRenderBuffer const* buffer);
 
@@ -41,6 +46,7 @@ private:
     HdStfMessages& _messages;
     std::mutex _gate;
     std::atomic<int> _sceneVersion{1};
+    std::atomic<bool> _shutterOpens{false};
 };
 
 PXR_NAMESPACE_CLOSE_SCOPE

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStf/renderPass.h"
 
+#include "hdStf/camera.h"
 #include "hdStf/conversions.h"
 #include "hdStf/mesh.h"
 #include "hdStf/renderBuffer.h"
 #include "hdStf/renderDelegate.h"
+#include "hdStf/tokens.h"
 
 #include "pxr/imaging/hd/changeTracker.h"
 #include "pxr/imaging/hd/renderIndex.h"
@@ -87,7 +89,8 @@ bool HdStfRenderPass::_UpdateSettings() {
     }
     _settingsVersion = version;
     _param.AcquireSceneForEdit().setMetersPerUnit(_delegate.GetMetersPerUnit());
-    _job.SetSettings(_delegate.GetStfSettings());
+    _job.SetSettings(_delegate.GetStfSettings(),
+                     _delegate.GetRenderSetting<bool>(HdStfRenderSettingsTokens->denoise, false));
     return true;
 }
 
@@ -111,15 +114,38 @@ bool HdStfRenderPass::_UpdateBindings(HdRenderPassAovBindingVector const& bindin
 bool HdStfRenderPass::_UpdateCamera(HdRenderPassState const& state) {
     const GfMatrix4d view = state.GetWorldToViewMatrix();
     const GfMatrix4d projection = state.GetProjectionMatrix();
-    const HdStfWindow window = _GetWindow(state);
-    if (view == _view && projection == _projection && window == _window) {
+    HdStfWindow window = _GetWindow(state);
+    const stf::FrameWindow frame = _GetFrame(window);
+    // Hosts may set the matrices without a camera.
+    auto const* camera = dynamic_cast<HdStfCamera const*>(state.GetCamera());
+    const stf::CameraOptics optics = camera ? camera->GetOptics() : stf::CameraOptics();
+    if (view == _view && projection == _projection && optics == _optics && window == _window && frame == _frame) {
         return false;
     }
+    _optics = optics;
+    _frame = frame;
     _view = view;
     _projection = projection;
     _window = window;
-    _job.SetCamera(HdStfToMatrix4(view), HdStfToMatrix4(projection), window);
+    _job.SetCamera(HdStfToMatrix4(view), HdStfToMatrix4(projection), optics, window, frame);
     return true;
+}
+
+// Which part of the projection's frame the window shows. By itself all of it; with the setting `dataWindowNDC` the
+// buffers hold that part of the frame, or more than it, and the viewport or framing says how large the frame is.
+stf::FrameWindow HdStfRenderPass::_GetFrame(HdStfWindow& window) const {
+    stf::FrameWindow frame = {window.width, window.height, 0, 0, window.width, window.height};
+    const GfVec4f data = _delegate.GetDataWindowNDC();
+    if (data == GfVec4f(0, 0, 1, 1)) {
+        return frame;
+    }
+    const HdStfWindow part = HdStfDataWindow(data, window.width, window.height);
+    frame.x = part.x;
+    frame.y = part.y;
+    frame.width = part.width;
+    frame.height = part.height;
+    window = {0, 0, part.width, part.height};
+    return frame;
 }
 
 HdStfWindow HdStfRenderPass::_GetWindow(HdRenderPassState const& state) const {

@@ -40,6 +40,7 @@ private:
     bool _UpdateBindings(HdRenderPassAovBindingVector const& bindings);
     bool _UpdateCamera(HdRenderPassState const& state);
     HdStfWindow _GetWindow(HdRenderPassState const& state) const;
+    stf::FrameWindow _GetFrame(HdStfWindow& window) const;
 
     HdStfRenderDelegate& _delegate;
     HdStfRenderParam& _param;
@@ -49,7 +50,9 @@ private:
     HdRenderPassAovBindingVector _bindings;      // with buffers looked up
     GfMatrix4d _view{1.0};
     GfMatrix4d _projection{1.0};
+    stf::CameraOptics _optics;
     HdStfWindow _window;
+    stf::FrameWindow _frame;
     TfTokenVector _renderTags;
     unsigned int _renderTagVersion = 0;
     unsigned int _settingsVersion = 0;

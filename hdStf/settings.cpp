@@ -2,7 +2,9 @@
 #include "hdStf/settings.h"
 
 #include "hdStf/tokens.h"
+#include "stfLib/render/pixel_filter.h"
 
+#include "pxr/base/gf/vec4f.h"
 #include "pxr/base/tf/getenv.h"
 #include "pxr/base/tf/stringUtils.h"
 
@@ -14,27 +16,15 @@ PXR_NAMESPACE_OPEN_SCOPE
 
 namespace {
 
-/// A number from the environment, or the default where there is none or it is not one.
-double _EnvNumber(char const* name, double defaultValue) {
-    const std::string text = TfGetenv(name);
-    if (text.empty()) {
-        return defaultValue;
-    }
-    char* end = nullptr;
-    const double number = std::strtod(text.c_str(), &end);
-    if (end != text.c_str() + text.size() || !std::isfinite(number)) {
-        TF_WARN("environment variable %s = \"%s\" is not a number; using %g", name, text.c_str(), defaultValue);
-        return defaultValue;
-    }
-    return number;
-}
-
 /// Hosts hand numbers over as text, too (Houdini's parameters, command lines).
 VtValue _FromText(VtValue const& value) {
     if (!value.IsHolding<std::string>()) {
         return value;
     }
     std::string const& text = value.UncheckedGet<std::string>();
+    if (text == "true" || text == "false") {
+        return VtValue(text == "true");
+    }
     char* end = nullptr;
     const double number = std::strtod(text.c_str(), &end);
     return !text.empty() && end == text.c_str() + text.size() ? VtValue(number) : value;
@@ -66,6 +56,23 @@ VtValue _InRange(TfToken const& key, VtValue const& value) {
         std::string const& form = value.UncheckedGet<std::string>();
         return form == "dE1" || form == "classic" ? value : VtValue();
     }
+    if (key == HdStfRenderSettingsTokens->pixelFilter) {
+        stf::PixelFilter::Shape shape;
+        return stf::PixelFilter::shapeFromName(value.UncheckedGet<std::string>(), shape) ? value : VtValue();
+    }
+    if (key == HdStfRenderSettingsTokens->pixelFilterWidth) {
+        const float width = value.UncheckedGet<float>();
+        return width >= 0 && width <= 64 ? value : VtValue();
+    }
+    if (key == HdStfRenderSettingsTokens->dataWindowNDC) {
+        const GfVec4f window = value.UncheckedGet<GfVec4f>();
+        const bool finite = std::isfinite(window[0]) && std::isfinite(window[1]) && std::isfinite(window[2]) &&
+                            std::isfinite(window[3]);
+        // Sixteen frames' worth of overscan bounds what a wrong number may cost.
+        const bool bounded = finite && std::abs(window[0]) < 16 && std::abs(window[1]) < 16 &&
+                             std::abs(window[2]) < 16 && std::abs(window[3]) < 16;
+        return bounded && window[2] > window[0] && window[3] > window[1] ? value : VtValue();
+    }
     if (key == HdStfRenderSettingsTokens->stageMetersPerUnit) {
         const double meters = value.UncheckedGet<double>();
         return meters > 0 && std::isfinite(meters) ? value : VtValue();
@@ -76,38 +83,40 @@ VtValue _InRange(TfToken const& key, VtValue const& value) {
 } // namespace
 
 HdRenderSettingDescriptorList HdStfMakeSettingDescriptors() {
-    HdRenderSettingDescriptorList list = {
-        {"Samples per pixel", HdStfRenderSettingsTokens->samples,
-         VtValue(static_cast<int>(_EnvNumber("HDSTF_SAMPLES", 64)))},
-        {"Wanted error of a pixel (0 = off)", HdStfRenderSettingsTokens->errorTarget,
-         VtValue(static_cast<float>(_EnvNumber("HDSTF_ERROR_TARGET", 0)))},
-        {"Seed", HdStfRenderSettingsTokens->seed, VtValue(static_cast<int>(_EnvNumber("HDSTF_SEED", 0)))},
-        {"Target error of the tables", HdStfRenderSettingsTokens->quality,
-         VtValue(static_cast<float>(_EnvNumber("HDSTF_QUALITY", 0.02)))},
-        {"Form of transport (dE1, classic)", HdStfRenderSettingsTokens->transport,
-         VtValue(TfGetenv("HDSTF_TRANSPORT", "dE1"))},
-        {"Bounces off surfaces without a shell", HdStfRenderSettingsTokens->maxDepth,
-         VtValue(static_cast<int>(_EnvNumber("HDSTF_MAX_DEPTH", 4)))},
-        {"Most light of a bounced path (0 = no limit)", HdStfRenderSettingsTokens->indirectClamp,
-         VtValue(static_cast<float>(_EnvNumber("HDSTF_INDIRECT_CLAMP", 0)))},
-        {"Threads (0 = all cores)", HdStfRenderSettingsTokens->threads,
-         VtValue(static_cast<int>(_EnvNumber("HDSTF_THREADS", 0)))},
-        {"Metres per scene unit", HdStfRenderSettingsTokens->stageMetersPerUnit,
-         VtValue(_EnvNumber("HDSTF_STAGE_METERS_PER_UNIT", 0.01))},
-    };
-    // The environment obeys the same ranges as everybody.
-    for (HdRenderSettingDescriptor& descriptor : list) {
-        if (_InRange(descriptor.key, descriptor.defaultValue).IsEmpty()) {
-            descriptor.defaultValue = descriptor.key == HdStfRenderSettingsTokens->quality         ? VtValue(0.02f)
-                                      : descriptor.key == HdStfRenderSettingsTokens->indirectClamp ? VtValue(0.0f)
-                                      : descriptor.key == HdStfRenderSettingsTokens->errorTarget   ? VtValue(0.0f)
-                                      : descriptor.key == HdStfRenderSettingsTokens->transport
-                                          ? VtValue(std::string("dE1"))
-                                          : VtValue(0.01);
-        } else {
-            descriptor.defaultValue = _InRange(descriptor.key, descriptor.defaultValue);
+    HdRenderSettingDescriptorList list;
+    // A default of the environment obeys the same types and ranges as everybody's values.
+    const auto add = [&list](char const* name, TfToken const& key, VtValue const& own, char const* variable) {
+        VtValue value = own;
+        if (const std::string text = variable ? TfGetenv(variable) : std::string(); !text.empty()) {
+            const VtValue typed = VtValue::CastToTypeOf(_FromText(VtValue(text)), own);
+            const VtValue given = typed.IsEmpty() ? typed : _InRange(key, typed);
+            if (given.IsEmpty()) {
+                TF_WARN("environment variable %s = \"%s\" is no value of %s; using %s", variable, text.c_str(),
+                        key.GetText(), TfStringify(own).c_str());
+            } else {
+                value = given;
+            }
         }
-    }
+        list.push_back({name, key, value});
+    };
+    auto const& keys = HdStfRenderSettingsTokens;
+    add("Samples per pixel", keys->samples, VtValue(64), "HDSTF_SAMPLES");
+    add("Wanted error of a pixel (0 = off)", keys->errorTarget, VtValue(0.0f), "HDSTF_ERROR_TARGET");
+    add("Seed", keys->seed, VtValue(0), "HDSTF_SEED");
+    add("Target error of the tables", keys->quality, VtValue(0.02f), "HDSTF_QUALITY");
+    add("Form of transport (dE1, classic)", keys->transport, VtValue(std::string("dE1")), "HDSTF_TRANSPORT");
+    add("Bounces off surfaces without a shell", keys->maxDepth, VtValue(4), "HDSTF_MAX_DEPTH");
+    add("Most light of a bounced path (0 = no limit)", keys->indirectClamp, VtValue(0.0f), "HDSTF_INDIRECT_CLAMP");
+    add("Pixel filter (box, triangle, gaussian, blackmanHarris)", keys->pixelFilter,
+        VtValue(std::string("blackmanHarris")), "HDSTF_PIXEL_FILTER");
+    add("Width of the pixel filter (0 = its own)", keys->pixelFilterWidth, VtValue(0.0f), "HDSTF_PIXEL_FILTER_WIDTH");
+    add("Depth of field", keys->depthOfField, VtValue(true), "HDSTF_DEPTH_OF_FIELD");
+    add("Motion blur", keys->motionBlur, VtValue(true), "HDSTF_MOTION_BLUR");
+    add("Denoise the finished colour", keys->denoise, VtValue(false), "HDSTF_DENOISE");
+    add("Data window (x and y from, to; shares of the frame)", keys->dataWindowNDC, VtValue(GfVec4f(0, 0, 1, 1)),
+        nullptr);
+    add("Threads (0 = all cores)", keys->threads, VtValue(0), "HDSTF_THREADS");
+    add("Metres per scene unit", keys->stageMetersPerUnit, VtValue(0.01), "HDSTF_STAGE_METERS_PER_UNIT");
     return list;
 }
 

@@ -7,8 +7,7 @@
 PXR_NAMESPACE_OPEN_SCOPE
 
 /// The render settings the delegate offers. Defaults come from the environment where it says something
-/// (HDSTF_SAMPLES, HDSTF_SEED, HDSTF_QUALITY, HDSTF_THREADS, HDSTF_MAX_DEPTH, HDSTF_INDIRECT_CLAMP,
-/// HDSTF_STAGE_METERS_PER_UNIT).
+/// (docs/settings.md has the variables).
 HdRenderSettingDescriptorList HdStfMakeSettingDescriptors();
 
 /// The value in the type of the setting's default and within its range; empty if it cannot be had (a wrong type, not

@@ -16,7 +16,6 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr std::size_t kMaxTermBytes = std::size_t(400) << 20;
 constexpr float kThin = 3, kThick = 5; ///< spread lengths between which walks give way to dipoles
 constexpr std::size_t kMostWalks = 512, kLeastWalks = 24;
-constexpr std::size_t kWalkBudget = 240'000; ///< together
 constexpr float kFar = 0.7f;                 ///< of the thickness: walks that end farther away are averaged
 constexpr float kSmooth = 0.6f;              ///< of the thickness: the radius within which
 constexpr float kLeastSpacings = 2.5f, kSmoothSpacings = 4.5f; ///< that radius at least and at most
@@ -84,7 +83,8 @@ CoreResponse::CoreResponse(const CoreMaterial& material, const SurfacePoints& sa
 }
 
 CoreResponse::CoreResponse(const CoreMaterial& material, const CoreBoundary& b, CoreModel model, std::uint64_t seed,
-                           Progress& progress) {
+                           Progress& progress, std::size_t walks)
+    : walkBudget_(walks) {
     samples_.areas = b.samples.areas(b.points, b.triangles);
     for (float& a : samples_.areas) {
         a *= float(b.mmPerUnit * b.mmPerUnit);
@@ -204,7 +204,7 @@ void CoreResponse::walk(const CoreMaterial& m, const CoreBoundary& b, std::uint6
         return;
     }
     const CoreWalk walks(m, b.mesh, b.mmPerUnit);
-    walksPerSample_ = std::clamp(kWalkBudget / (walked_.size() * walks.groups().size()), kLeastWalks, kMostWalks);
+    walksPerSample_ = std::clamp(walkBudget_ / (walked_.size() * walks.groups().size()), kLeastWalks, kMostWalks);
     double area = 0;
     for (float a : samples_.areas) {
         area += double(a);

@@ -34,12 +34,13 @@ class CoreResponse {
 public:
     /// Of the tree's sums, see SampleTree::terms; what they are off by is a fiftieth of it.
     static constexpr float kEpsilon = 0.5f;
+    static constexpr std::size_t kWalks = 240'000; ///< what a frame has time for
 
     /// Dipoles only. `epsilon` 0: direct sums.
     CoreResponse(const CoreMaterial& material, const SurfacePoints& samples, float epsilon = kEpsilon);
-    /// Throws Cancelled.
+    /// `walks`: together, of all samples; 24 to 512 each. Throws Cancelled.
     CoreResponse(const CoreMaterial& material, const CoreBoundary& boundary, CoreModel model, std::uint64_t seed,
-                 Progress& progress);
+                 Progress& progress, std::size_t walks = kWalks);
 
     CoreResponse(CoreResponse&&) = default;
     CoreResponse(const CoreResponse&) = delete;
@@ -99,7 +100,7 @@ private:
     std::vector<Rgb> walkScale_;        ///< of each of them: so that uniform light returns what its own walks say
     std::vector<std::uint32_t> walked_; ///< samples with walks; the filter's places
     SampleFilter smooth_;
-    std::size_t walksPerSample_ = 0;
+    std::size_t walkBudget_ = kWalks, walksPerSample_ = 0;
     float largestAlbedo_ = 0;
 };
 

@@ -65,16 +65,48 @@ Vec3d project(const Matrix4& m, const Vec3d& p) {
            w;
 }
 
+Matrix4 matrixOf(const Transform& t) {
+    return {t.x.x, t.x.y, t.x.z, 0, t.y.x,           t.y.y,           t.y.z,           0,
+            t.z.x, t.z.y, t.z.z, 0, t.translation.x, t.translation.y, t.translation.z, 1};
+}
+
 constexpr Matrix4 kIdentity{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
 
 } // namespace
 
-Camera::Camera() : worldToView_(kIdentity), projection_(kIdentity), ndcToWorld_(kIdentity) {}
+Camera::Camera()
+    : worldToView_(kIdentity), projection_(kIdentity), ndcToView_(kIdentity), viewToWorld_(kIdentity),
+      ndcToWorld_(kIdentity), given_(kIdentity) {}
 
-Camera::Camera(const Matrix4& worldToView, const Matrix4& projection)
-    : worldToView_(worldToView), projection_(projection),
+Camera::Camera(const Matrix4& worldToView, const Matrix4& projection, const CameraOptics& optics)
+    : worldToView_(worldToView), projection_(projection), ndcToView_(invert(projection)),
+      viewToWorld_(invert(worldToView)),
       // Inverted one by one: the product of both loses digits where the camera is far from the origin.
-      ndcToWorld_(multiply(invert(projection), invert(worldToView))) {}
+      ndcToWorld_(multiply(ndcToView_, viewToWorld_)), given_(worldToView), optics_(optics),
+      motion_(motionSteps(optics.viewToWorld, optics.shutter)) {
+    if (!std::isfinite(optics.lens.radius) || !std::isfinite(optics.lens.focusDistance) ||
+        !std::isfinite(optics.exposure)) {
+        throw Error("the camera's lens or exposure is not finite");
+    }
+    if (moves()) {
+        viewToWorld_ = matrixOf(atTime(motion_, 0.5f));
+        worldToView_ = invert(viewToWorld_);
+        ndcToWorld_ = multiply(ndcToView_, viewToWorld_);
+    }
+}
+
+Camera Camera::pinhole() const {
+    CameraOptics optics = optics_;
+    optics.lens = Lens();
+    return Camera(given_, projection_, optics);
+}
+
+Camera Camera::atRest() const {
+    CameraOptics optics = optics_;
+    optics.shutter = Shutter();
+    optics.viewToWorld.clear();
+    return Camera(given_, projection_, optics);
+}
 
 Ray Camera::ray(double x, double y, const Vec3d& origin) const {
     const Vec3d near = project(ndcToWorld_, {x, y, -1}), far = project(ndcToWorld_, {x, y, 1});
@@ -84,7 +116,33 @@ Ray Camera::ray(double x, double y, const Vec3d& origin) const {
     return r;
 }
 
-RayCone Camera::cone(double x, double y, double pixelWidth, double pixelHeight) const {
+Ray Camera::ray(double x, double y, const Vec3d& origin, const Vec2d& onLens, float time) const {
+    Vec3d near = project(ndcToView_, {x, y, -1}), far = project(ndcToView_, {x, y, 1});
+    if (optics_.lens.blurs()) {
+        // Through the lens's middle (perspective: of all rays; orthographic: the ray's own) goes what a pinhole sees;
+        // all rays of a point of the film meet in the plane of focus.
+        const Vec3d direction = far - near;
+        const Vec3d middle = near - direction * (near.z / direction.z);
+        const Vec3d focus = middle - direction * (optics_.lens.focusDistance / direction.z);
+        const Vec3d through = middle + Vec3d(onLens.x, onLens.y, 0.0) * optics_.lens.radius;
+        const Vec3d bent = (focus - through) / optics_.lens.focusDistance; // per unit of depth
+        near = through - bent * near.z;
+        far = near + bent;
+    }
+    Ray r;
+    if (moves()) {
+        const Transform m = atTime(motion_, time);
+        r.origin = Vec3f(m.point(near) - origin);
+        r.direction = Vec3f(normalize(m.vector(far - near)));
+        return r;
+    }
+    const Vec3d worldNear = project(viewToWorld_, near);
+    r.origin = Vec3f(worldNear - origin);
+    r.direction = Vec3f(normalize(project(viewToWorld_, far) - worldNear));
+    return r;
+}
+
+RayCone Camera::cone(double x, double y, double pixelWidth, double pixelHeight, int lensSamples) const {
     // From the plane that starts rays, so that a camera far from the origin keeps its digits.
     const Vec3d start = project(ndcToWorld_, {x, y, -1});
     const Ray here = ray(x, y, start);
@@ -94,7 +152,29 @@ RayCone Camera::cone(double x, double y, double pixelWidth, double pixelHeight) 
         out.width = std::max(out.width, length(there.origin - here.origin));
         out.spread = std::max(out.spread, length(there.direction - here.direction));
     }
+    const Lens& lens = optics_.lens;
+    if (lens.blurs()) {
+        const Vec3d near = project(ndcToView_, {x, y, -1}), far = project(ndcToView_, {x, y, 1});
+        const Vec3d direction = normalize(far - near);
+        const double way = (-lens.focusDistance - near.z) / direction.z; // from the near plane
+        if (way > 0) {
+            const double circle = 2 * lens.radius * way * -direction.z / lens.focusDistance;
+            out.lens = float(circle / std::sqrt(double(std::max(1, lensSamples))));
+            out.focus = float(way);
+        }
+    }
     return out;
+}
+
+Vec2d onUnitDisc(const Vec2f& u) {
+    const double x = 2 * double(u.x) - 1, y = 2 * double(u.y) - 1;
+    if (x == 0 && y == 0) {
+        return {0, 0};
+    }
+    constexpr double kQuarter = 0.78539816339744831; // pi / 4
+    const bool wide = std::abs(x) > std::abs(y);
+    const double r = wide ? x : y, angle = wide ? kQuarter * y / x : 2 * kQuarter - kQuarter * x / y;
+    return {r * std::cos(angle), r * std::sin(angle)};
 }
 
 double Camera::ndcDepth(const Vec3d& world) const {

@@ -14,6 +14,7 @@ struct AovInfo {
 };
 constexpr AovInfo kAovs[] = {
     {"color", Aov::Color, 4},
+    {"denoised", Aov::Denoised, 4},
     {"alpha", Aov::Alpha, 1},
     {"depth", Aov::Depth, 1},
     {"cameraDepth", Aov::CameraDepth, 1},
@@ -71,6 +72,7 @@ void Film::clear() {
     const std::size_t n = std::size_t(width_) * std::size_t(height_);
     pixels_.assign(n, Accumulator());
     hits_.assign(n, PixelHit());
+    denoised_.clear();
 }
 
 std::uint32_t Film::sampleCount(int x, int y) const {
@@ -96,12 +98,17 @@ std::vector<float> Film::read(Aov aov) const {
     for (std::size_t i = 0; i < pixels_.size(); ++i) {
         const Accumulator& a = pixels_[i];
         const PixelHit& h = hits_[i];
-        const double inv = a.count ? 1.0 / a.count : 0.0;
+        const double inv = a.count ? 1.0 / a.count : 0.0, exposed = inv * exposure_;
         float* const p = out.data() + i * channels;
         const auto put = [&](const Vec3f& v) { p[0] = v.x, p[1] = v.y, p[2] = v.z; };
         switch (aov) {
         case Aov::Color:
-            put(Rgb(a.color * inv));
+            put(Rgb(a.color * exposed));
+            p[3] = float(a.alpha * inv);
+            break;
+        case Aov::Denoised:
+            put(denoised_.empty() ? Rgb(a.color * exposed)
+                                  : Rgb(denoised_[3 * i], denoised_[3 * i + 1], denoised_[3 * i + 2]));
             p[3] = float(a.alpha * inv);
             break;
         case Aov::Alpha:
@@ -130,22 +137,22 @@ std::vector<float> Film::read(Aov aov) const {
             break;
         case Aov::Variance: {
             const Vec3d mean = a.color * inv, v = a.colorSquared * inv - mean * mean;
-            const double scale = a.count > 1 ? 1.0 / (a.count - 1) : 0.0;
+            const double scale = a.count > 1 ? exposure_ * exposure_ / (a.count - 1) : 0.0;
             put({float(std::max(0.0, v.x) * scale), float(std::max(0.0, v.y) * scale),
                  float(std::max(0.0, v.z) * scale)});
             break;
         }
         case Aov::StfSingle:
-            put(Rgb(a.single * inv));
+            put(Rgb(a.single * exposed));
             break;
         case Aov::StfMultiple:
-            put(Rgb(a.multiple * inv));
+            put(Rgb(a.multiple * exposed));
             break;
         case Aov::StfCore:
-            put(Rgb(a.core * inv));
+            put(Rgb(a.core * exposed));
             break;
         case Aov::StfReflection:
-            put(Rgb(a.reflection * inv));
+            put(Rgb(a.reflection * exposed));
             break;
         case Aov::PrimId:
         case Aov::InstanceId:

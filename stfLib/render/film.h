@@ -11,7 +11,8 @@ namespace stf {
 
 /// Arbitrary output variables, named as in the image contract.
 enum class Aov {
-    Color, ///< rgba, linear Rec.709, premultiplied alpha
+    Color,    ///< rgba, linear Rec.709, premultiplied alpha
+    Denoised, ///< the same without its noise, where a denoiser was asked; else the same
     Alpha,
     Depth,       ///< normalised device depth mapped to 0 (near) .. 1 (far); 1 where nothing is hit
     CameraDepth, ///< distance along the view axis, scene units
@@ -57,6 +58,17 @@ struct LuminanceEstimate {
     double mean = 0, error = 0;
 };
 
+/// Which pixels of a frame are rendered: the frame is what the camera's projection covers, the window may be a part of
+/// it or reach beyond it. Rows from the bottom up. A pixel of the frame gets the same light whatever the window is.
+struct FrameWindow {
+    int frameWidth = 0, frameHeight = 0;
+    int x = 0, y = 0, width = 0, height = 0;
+    bool operator==(const FrameWindow& w) const {
+        return frameWidth == w.frameWidth && frameHeight == w.frameHeight && x == w.x && y == w.y && width == w.width &&
+               height == w.height;
+    }
+};
+
 /// Accumulates samples. One thread per pixel at a time; `read` not while samples are added.
 class Film {
 public:
@@ -64,6 +76,12 @@ public:
     void clear();
     int width() const { return width_; }
     int height() const { return height_; }
+
+    /// What the denoiser made of the colour, three floats a pixel, exposed; empty: nothing yet.
+    void setDenoised(std::vector<float> color) { denoised_ = std::move(color); }
+    bool hasDenoised() const { return !denoised_.empty(); }
+    /// What colours are multiplied by when they are read, and variances by its square: 2^stops.
+    void setExposure(double scale) { exposure_ = scale; }
 
     void add(int x, int y, const PixelSample& sample);
     /// Samples in a pixel so far: the number of the next one, so that an interrupted pass is taken up where it ended.
@@ -88,8 +106,10 @@ private:
     std::size_t index(int x, int y) const { return std::size_t(y) * std::size_t(width_) + std::size_t(x); }
 
     int width_ = 0, height_ = 0;
+    double exposure_ = 1;
     std::vector<Accumulator> pixels_;
     std::vector<PixelHit> hits_;
+    std::vector<float> denoised_;
 };
 
 } // namespace stf

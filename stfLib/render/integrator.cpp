@@ -20,10 +20,10 @@ constexpr float kFaint = 0.25f;
 } // namespace
 
 ShellMarch& Integrator::marchOf(const PreparedInstance& instance) {
-    std::unique_ptr<ShellMarch>& march = marches_[std::size_t(&instance - scene_.instances.data())];
+    std::unique_ptr<ShellMarch>& march = marches_[instance.index];
     if (!march) {
-        march =
-            std::make_unique<ShellMarch>(*instance.mesh->shell, instance.core.empty() ? nullptr : instance.core.data());
+        const std::vector<Rgb>& core = scene_.instances[instance.index].core;
+        march = std::make_unique<ShellMarch>(*instance.mesh->shell, core.empty() ? nullptr : core.data());
     }
     return *march;
 }
@@ -50,7 +50,8 @@ int Integrator::lightsOnShell(const PreparedInstance& instance, const Surfel& su
             if (!(maxComponent(light.irradiance) > 0)) {
                 continue;
             }
-            const Rgb irradiance = light.irradiance * (picks[i].weight / float(directions));
+            const float share = indirect ? PlainShader::besideBounced(light, surfel.normal, directions) : 1.0f;
+            const Rgb irradiance = light.irradiance * (share * picks[i].weight / float(directions));
             const Rgb exact = visible(surfel.shadowOrigin, light);
             const Vec3f moved = jitterOnSurface(*instance.mesh->rayMesh, surfel.shadowOrigin, objectNormal,
                                                 shell.blurRadiusMm / shell.mmPerUnit, disc[k]);
@@ -65,7 +66,8 @@ int Integrator::lightsOnShell(const PreparedInstance& instance, const Surfel& su
     }
     if (indirect) {
         const Vec3f from(instance.objectToWorld.point(Vec3d(surfel.shadowOrigin + objectNormal * offset)));
-        const LightSample light = plain_.bounced(from + surfel.normal * scene_.rounding, surfel.normal, sampler);
+        const LightSample light =
+            plain_.bounced(from + surfel.normal * scene_.rounding, surfel.normal, kNearDirections, sampler);
         if (maxComponent(light.irradiance) > 0) {
             const Vec3f towards = normalize(Vec3f(instance.worldToObject.vector(Vec3d(light.towards))));
             lights[count++] = {towards, light.irradiance, light.irradiance};
@@ -117,7 +119,8 @@ Ray Integrator::leaveShell(const PreparedInstance& instance, const Surfel& entry
     return ray;
 }
 
-PixelSample Integrator::sample(const Ray& first, const RayCone& cone, PixelSampler& sampler) {
+PixelSample Integrator::sample(const Ray& first, const RayCone& cone, PixelSampler& sampler, float time) {
+    rays_.setTime(time);
     PixelSample out;
     LightPath path;
     path.ray = first;
@@ -157,6 +160,7 @@ PixelSample Integrator::sample(const Ray& first, const RayCone& cone, PixelSampl
             return out;
         }
         if (path.lightsOnly) {
+            add(throughput * plain_.lightMet(path, rays_.instance(hit.instance), hit), path.bounced);
             return out;
         }
         if (const float chance = maxComponent(throughput) / kFaint; !path.seen() && chance < 1) {
@@ -165,7 +169,7 @@ PixelSample Integrator::sample(const Ray& first, const RayCone& cone, PixelSampl
             }
             throughput /= chance;
         }
-        const PreparedInstance& instance = scene_.instances[hit.instance];
+        const PreparedInstance& instance = rays_.instance(hit.instance);
         const Surfel surfel = surfelAt(instance, ray, hit);
         const ShellObject* shell = instance.mesh->shell.get();
         if (!shell) {
@@ -275,18 +279,19 @@ PixelSample Integrator::sample(const Ray& first, const RayCone& cone, PixelSampl
 }
 
 PixelHit Integrator::firstHit(Ray ray, const Camera& camera) {
+    rays_.setTime(0.5f);
     PixelHit out;
     RayHit hit;
     for (int surface = 0;; ++surface) {
         if (surface == kMaxSurfaces || !rays_.intersect(ray, hit)) {
             return out;
         }
-        if (!PlainShader::isHole(scene_.instances[hit.instance], ray, hit)) {
+        if (!PlainShader::isHole(rays_.instance(hit.instance), ray, hit)) {
             break;
         }
         ray.tNear = hit.t * (1 + 1e-6f) + scene_.shadowOffset;
     }
-    const PreparedInstance& instance = scene_.instances[hit.instance];
+    const PreparedInstance& instance = rays_.instance(hit.instance);
     const Surfel s = surfelAt(instance, ray, hit);
     const Vec3d p = Vec3d(s.point) + scene_.origin;
     out.depth = float(0.5 * camera.ndcDepth(p) + 0.5);

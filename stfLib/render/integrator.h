@@ -19,7 +19,8 @@ public:
         : scene_(scene), rays_(scene), plain_(scene, rays_), marches_(scene.instances.size()) {}
 
     /// `cone`: of the pixel, so that shells are read no finer than it sees.
-    PixelSample sample(const Ray& first, const RayCone& cone, PixelSampler& sampler);
+    /// `time`: of the exposure, 0 to 1; all rays of the path are then.
+    PixelSample sample(const Ray& first, const RayCone& cone, PixelSampler& sampler, float time = 0.5f);
     /// The first surface along a ray, for the AOVs that are not averaged.
     PixelHit firstHit(Ray ray, const Camera& camera);
     std::uint64_t rays() const { return rays_.count(); }

@@ -64,6 +64,7 @@ LightSet::LightSet(const std::map<std::string, Light>& lights, const MessageSink
         }
         lights_.push_back(std::move(p));
     }
+    hostLights_ = lights_.size();
     place(Vec3d(0.0));
 }
 
@@ -88,13 +89,29 @@ bool LightSet::prepareArea(const std::string& id, Prepared& p, const MessageSink
     return true;
 }
 
-void LightSet::place(const Vec3d& origin) {
+void LightSet::place(const Vec3d& origin, const std::vector<MeshEmitter>& meshes) {
+    lights_.resize(hostLights_);
+    emitters_.clear();
+    for (const MeshEmitter& m : meshes) {
+        Prepared p;
+        p.mesh = std::make_shared<const MeshShape>(m.surface, m.objectToWorld);
+        p.type = Light::Type::Rect; // one with an area
+        p.emission = m.radiance;
+        if (p.mesh->area() > 0 && std::isfinite(p.mesh->area())) {
+            emitters_[m.instance] = lights_.size();
+            lights_.push_back(std::move(p));
+        }
+    }
     far_.clear();
     std::vector<TreeLight> near;
     for (std::size_t i = 0; i < lights_.size(); ++i) {
         Prepared& p = lights_[i];
         if (p.type == Light::Type::Dome || p.type == Light::Type::Distant) {
             far_.push_back(i);
+            continue;
+        }
+        if (p.mesh) {
+            near.push_back({p.mesh->bounds(), 2 * average(p.emission) * float(p.mesh->area()), i});
             continue;
         }
         Transform t = p.light.lightToWorld;
@@ -170,12 +187,14 @@ LightSample LightSet::sample(std::size_t index, const Vec3f& point, const Vec3f&
             s.density = l.seenAlong() ? distantDensity(l.cosAngle, std::sqrt(1 - sin2)) : 0.0f;
         }
     } else {
-        const ShapeSample at = l.shape.sample(point, u);
+        const ShapeSample at = l.mesh ? l.mesh->sample(point, u) : l.shape.sample(point, u);
         if (at.solidAngle > 0) {
             s.towards = at.towards;
             s.distance = at.distance;
             s.density = 1 / at.solidAngle;
-            s.irradiance = l.radiance(-at.towards, point + at.towards * at.distance) * at.solidAngle;
+            s.onMesh = l.mesh != nullptr;
+            s.point = point + at.towards * at.distance;
+            s.irradiance = l.radiance(-at.towards, s.point) * at.solidAngle;
         }
     }
     return s;
@@ -218,11 +237,23 @@ void LightSet::along(const Vec3f& origin, const Vec3f& direction, float tMax, Vi
     }
     tree_.along(origin, direction, tMax, [&](std::size_t i) {
         const Prepared& l = lights_[i];
+        if (l.mesh) {
+            return;
+        }
         const float t = l.shape.intersect(origin, direction);
         if (t < tMax) {
             visit(l, l.radiance(-direction, origin + direction * t), t);
         }
     });
+}
+
+float LightSet::emitterDensity(std::uint32_t instance, float distance, float cosine) const {
+    const auto it = emitters_.find(instance);
+    if (it == emitters_.end()) {
+        return 0;
+    }
+    const float solid = lights_[it->second].mesh->solidAngle(distance, cosine);
+    return solid > 0 ? 1 / solid : std::numeric_limits<float>::infinity();
 }
 
 Rgb LightSet::mirrored(const Vec3f& origin, const Vec3f& direction, float tMax) const {

@@ -5,11 +5,14 @@
 #include "stfLib/render/area_shape.h"
 #include "stfLib/render/dome_light.h"
 #include "stfLib/render/light_tree.h"
+#include "stfLib/render/mesh_shape.h"
 #include "stfLib/render/shaped_emission.h"
 #include "stfLib/surface/ray_scene.h"
 
 #include <limits>
 #include <map>
+#include <memory>
+#include <unordered_map>
 #include <vector>
 
 namespace stf {
@@ -22,6 +25,8 @@ struct LightSample {
     float density = 0; ///< per solid angle, of the direction; 0: only a sample finds the light, no ray meets it
     float distance = std::numeric_limits<float>::infinity(); ///< other geometry beyond it throws no shadow
     bool shadows = true;                                     ///< false: nothing throws a shadow
+    bool onMesh = false;                                     ///< of a mesh that shines, which rays meet as geometry,
+    Vec3f point;                                             ///< at this point
 };
 
 /// From a point to just before the light.
@@ -29,7 +34,14 @@ inline Ray shadowRay(const Vec3f& origin, const LightSample& light) {
     Ray r;
     r.origin = origin;
     r.direction = light.towards;
-    r.tFar = light.distance * (1 - 1e-4f);
+    float distance = light.distance;
+    if (light.onMesh) {
+        // From wherever the ray starts to that very point, else the mesh itself would be in its way.
+        const Vec3f way = light.point - origin;
+        distance = length(way);
+        r.direction = distance > 0 ? way / distance : light.towards;
+    }
+    r.tFar = distance * (1 - 1e-4f);
     return r;
 }
 
@@ -39,6 +51,14 @@ struct LightPick {
     float weight = 1;
 };
 
+/// A mesh that shines by itself: everywhere the same, to both sides, opaque, and at rest.
+struct MeshEmitter {
+    std::shared_ptr<const RefinedSurface> surface;
+    Transform objectToWorld; ///< world relative to the scene's origin
+    Rgb radiance{0.0f};
+    std::uint32_t instance = 0; ///< its number in the scene
+};
+
 /// All lights that give light, ready for sampling. Immutable but for `place`, shared by threads.
 class LightSet {
 public:
@@ -46,10 +66,13 @@ public:
     /// Lights that are invisible or black are left out; unreadable textures and profiles are reported, the light shines
     /// without them.
     LightSet(const std::map<std::string, Light>& lights, const MessageSink& messages);
-    /// Points are relative to a world position from now on (the scene's middle, so that single precision is enough).
-    void place(const Vec3d& origin);
+    /// Points are relative to a world position from now on (the scene's middle, so that single precision is enough),
+    /// and these meshes are lights too.
+    void place(const Vec3d& origin, const std::vector<MeshEmitter>& meshes = {});
 
     std::size_t count() const { return lights_.size(); }
+    /// How many of them are meshes.
+    std::size_t meshCount() const { return emitters_.size(); }
     /// At most `most` lights for a point: all, where there are no more; else some, so that the sum of what each brings
     /// times its weight has the right expectation. Lights with an area are chosen by their power and distance, at a
     /// cost logarithmic in their number. Returns how many. `u` in [0, 1).
@@ -71,8 +94,13 @@ public:
     Rgb met(const Vec3f& origin, const Vec3f& direction, float tMax, const Vec3f& normal, float density,
             int domeSamples) const;
 
+    /// The density per solid angle with which `sample` finds a point of an instance that is a light, where it is met at
+    /// a distance, at an angle to its normal; 0 for any other instance.
+    float emitterDensity(std::uint32_t instance, float distance, float cosine) const;
+
 private:
     struct Prepared {
+        std::shared_ptr<const MeshShape> mesh; ///< of a mesh that shines; rays meet it as geometry
         Light::Type type = Light::Type::Distant;
         Rgb emission{0.0f};  ///< distant: irradiance; area: radiance
         Vec3f axis{0, 0, 1}; ///< distant: towards the light
@@ -93,9 +121,11 @@ private:
     void along(const Vec3f& origin, const Vec3f& direction, float tMax, Visit&& visit) const;
     bool prepareArea(const std::string& id, Prepared& light, const MessageSink& messages) const;
 
-    std::vector<Prepared> lights_;
-    std::vector<std::size_t> far_; ///< distant lights and domes
-    LightTree tree_;               ///< of the others
+    std::vector<Prepared> lights_;                            ///< meshes last
+    std::size_t hostLights_ = 0;                              ///< those before the meshes
+    std::unordered_map<std::uint32_t, std::size_t> emitters_; ///< light by instance
+    std::vector<std::size_t> far_;                            ///< distant lights and domes
+    LightTree tree_;                                          ///< of the others
     std::size_t areaCount_ = 0;
 };
 

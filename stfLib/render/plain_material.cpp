@@ -87,6 +87,10 @@ float PlainMaterial::number(const SurfaceInput<float>& input, const Held& held, 
                          : input.value;
 }
 
+Rgb PlainMaterial::emission() const {
+    return within(surface_.emissiveColor.value, 0, 1e30f);
+}
+
 PreviewPoint PlainMaterial::at(Vec2f uv, const Rgb& displayColor) const {
     PreviewPoint p;
     const PreviewSurface& s = surface_;

@@ -22,6 +22,8 @@ public:
     /// Whether light passes anywhere.
     bool opaque() const { return opaque_; }
     bool emits() const { return surface_.emissiveColor.texture || maxComponent(surface_.emissiveColor.value) > 0; }
+    /// Radiance, where no texture gives it.
+    Rgb emission() const;
     bool usesUvs() const { return textured_ > 0; }
     int textures() const { return textured_; }
 

@@ -101,6 +101,26 @@ Rgb PlainShader::direct(const Vertex& v, const PreviewBsdf& bsdf, int domeDirect
     return sum;
 }
 
+// What a path takes of the emission that it meets: samples of lights find the meshes among them as well.
+float PlainShader::emissionShare(const LightPath& path, const PreparedInstance& instance, const RayHit& hit) const {
+    if (path.seen() || path.lights == LightPath::Lights::All || scene_.lights.meshCount() == 0) {
+        return 1;
+    }
+    const Vec3f facet = normalize(Vec3f(instance.objectToWorld.normal(Vec3d(hit.geometricNormal))));
+    const float sampled = scene_.lights.emitterDensity(instance.index, hit.t, dot(facet, path.ray.direction));
+    if (!(sampled > 0)) {
+        return 1;
+    }
+    return path.lights == LightPath::Lights::Shared ? path.density / (path.density + sampled) : 0.0f;
+}
+
+Rgb PlainShader::lightMet(const LightPath& path, const PreparedInstance& instance, const RayHit& hit) const {
+    if (!(scene_.lights.emitterDensity(instance.index, 1, 1) > 0)) {
+        return Rgb(0.0f);
+    }
+    return instance.material->emission() * emissionShare(path, instance, hit);
+}
+
 PlainShader::Step PlainShader::shade(LightPath& path, const PreparedInstance& instance, const Surfel& surfel,
                                      const RayHit& hit, PixelSampler& sampler) {
     Step step;
@@ -126,10 +146,13 @@ PlainShader::Step PlainShader::shade(LightPath& path, const PreparedInstance& in
     }
 
     const bool onward = path.bounces < scene_.maxDepth && scene_.surfacesBounce, glossy = !v.at.isLambert();
+    // Where a ray may meet a light that samples find: one near or large is found badly by samples, a small one by rays.
+    const bool shared = glossy || scene_.lights.meshCount() > 0;
     const int domes = path.seen() ? kDomeDirections : 1;
-    step.radiance = (v.at.emission + direct(v, bsdf, domes, glossy, sampler)) * weight;
+    step.radiance =
+        (v.at.emission * emissionShare(path, instance, hit) + direct(v, bsdf, domes, shared, sampler)) * weight;
     step.ends = true;
-    if (!onward && !glossy) {
+    if (!onward && !shared) {
         return step;
     }
     const PreviewBsdf::Sample s = bsdf.sample(v.out, glossy ? sampler.next1d() : 0.0f, sampler.next2d());
@@ -142,7 +165,7 @@ PlainShader::Step PlainShader::shade(LightPath& path, const PreparedInstance& in
     path.spread += s.spread;
     path.bounced = true;
     ++path.bounces;
-    path.lights = glossy ? LightPath::Lights::Shared : LightPath::Lights::None;
+    path.lights = shared ? LightPath::Lights::Shared : LightPath::Lights::None;
     path.lightsOnly = !onward;
     path.density = s.density;
     path.domeSamples = domes;
@@ -154,7 +177,15 @@ PlainShader::Step PlainShader::shade(LightPath& path, const PreparedInstance& in
     return step;
 }
 
-LightSample PlainShader::bounced(const Vec3f& origin, const Vec3f& normal, PixelSampler& sampler) {
+float PlainShader::besideBounced(const LightSample& light, const Vec3f& normal, int lightSamples) {
+    if (!light.onMesh) {
+        return 1; // no ray meets it
+    }
+    const float own = light.density * float(lightSamples);
+    return own / (own + mixedHemisphereDensity(dot(normal, light.towards)));
+}
+
+LightSample PlainShader::bounced(const Vec3f& origin, const Vec3f& normal, int lightSamples, PixelSampler& sampler) {
     LightSample light;
     Vec3f x, y;
     orthonormalBasis(normal, x, y);
@@ -166,7 +197,7 @@ LightSample PlainShader::bounced(const Vec3f& origin, const Vec3f& normal, Pixel
     if (!rays_.intersect(ray, hit)) {
         return light;
     }
-    const PreparedInstance& instance = scene_.instances[hit.instance];
+    const PreparedInstance& instance = rays_.instance(hit.instance);
     if (instance.mesh->shell) {
         return light;
     }
@@ -174,7 +205,10 @@ LightSample PlainShader::bounced(const Vec3f& origin, const Vec3f& normal, Pixel
     light.towards = ray.direction;
     light.density = mixedHemisphereDensity(d.z);
     const float shown = v.at.opacity < 1 && v.at.presence ? v.at.opacity : 1.0f;
-    light.irradiance = (v.at.emission + direct(v, PreviewBsdf(v.at), 1, false, sampler)) * (shown / light.density);
+    // A mesh that is a light is among those of the shell: its share by the balance heuristic.
+    const float sampled = scene_.lights.emitterDensity(instance.index, hit.t, dot(v.geometric, ray.direction));
+    const Rgb emission = v.at.emission * (light.density / (light.density + float(lightSamples) * sampled));
+    light.irradiance = (emission + direct(v, PreviewBsdf(v.at), 1, false, sampler)) * (shown / light.density);
     return light;
 }
 

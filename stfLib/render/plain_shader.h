@@ -25,13 +25,18 @@ public:
 
     /// Light that other plain surfaces send to a point (world) of a shell: one direction by the cosine to its normal,
     /// and what one bounce brings from there, as perpendicular irradiance over the density. Zero where nothing or a
-    /// shell is met there.
-    LightSample bounced(const Vec3f& origin, const Vec3f& normal, PixelSampler& sampler);
+    /// shell is met there. `lightSamples`: how many samples the point takes of a light with an area besides, each with
+    /// the share that `besideBounced` gives.
+    LightSample bounced(const Vec3f& origin, const Vec3f& normal, int lightSamples, PixelSampler& sampler);
+    static float besideBounced(const LightSample& light, const Vec3f& normal, int lightSamples);
 
     /// Whether more of a surface is missing than there, by its opacity.
     static bool isHole(const PreparedInstance& instance, const Ray& ray, const RayHit& hit);
     /// Albedo, for the AOV.
     static Rgb albedo(const PreparedInstance& instance, const Surfel& surfel, const RayHit& hit);
+
+    /// What a path that only looks for lights takes of a mesh that is one.
+    Rgb lightMet(const LightPath& path, const PreparedInstance& instance, const RayHit& hit) const;
 
 private:
     // A hit with its frame, whose z is the shading normal on the side of the ray.
@@ -45,6 +50,7 @@ private:
         Vec3f toWorld(const Vec3f& d) const { return normalize(x * d.x + y * d.y + z * d.z); }
     };
     /// `spread`: of the path so far. What wide lobes see is no sharper: narrower lobes are widened to it.
+    float emissionShare(const LightPath& path, const PreparedInstance& instance, const RayHit& hit) const;
     Vertex vertexAt(const PreparedInstance& instance, const Surfel& surfel, const RayHit& hit, const Vec3f& direction,
                     float spread) const;
     Rgb direct(const Vertex& vertex, const PreviewBsdf& bsdf, int domeDirections, bool shared, PixelSampler& sampler);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "stfLib/base/motion.h"
 #include "stfLib/render/light_set.h"
 #include "stfLib/render/plain_material.h"
 #include "stfLib/render/shell_object.h"
@@ -20,7 +21,9 @@ struct PreparedMesh {
 
 struct PreparedInstance {
     std::shared_ptr<const PreparedMesh> mesh;
-    Transform objectToWorld, worldToObject;        ///< world relative to the scene's origin
+    Transform objectToWorld, worldToObject;        ///< world relative to the scene's origin; in the exposure's middle
+    std::vector<Transform> motion;                 ///< objectToWorld in steps over the exposure; empty: at rest
+    std::uint32_t index = 0;                       ///< in the scene
     std::shared_ptr<const PlainMaterial> material; ///< of a plain surface; null: its displayColor
     std::int32_t primId = -1, instanceId = -1;
     std::vector<Rgb> core; ///< radiance leaving the core, per sample of the shell's grid; empty for a black one

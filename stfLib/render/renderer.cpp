@@ -4,7 +4,9 @@
 #include "stfLib/base/parallel.h"
 #include "stfLib/render/adaptive_sampling.h"
 #include "stfLib/render/core_light.h"
+#include "stfLib/render/denoiser.h"
 #include "stfLib/render/integrator.h"
+#include "stfLib/render/pixel_filter.h"
 #include "stfLib/render/shell_builder.h"
 #include "stfLib/transport/precompute.h"
 
@@ -18,7 +20,8 @@ namespace stf {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr int kTile = 16; // pixels
+constexpr int kTile = 16;                              // pixels
+constexpr std::size_t kMostEmitterTriangles = 8000000; // eight bytes each
 
 double since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
@@ -30,9 +33,13 @@ std::shared_ptr<const StfTable> computeTable(const std::shared_ptr<const BaseVol
     return std::make_shared<const StfTable>(precompute(*volume, options, progress, messages));
 }
 
-// Inverse of the tent's distribution function: samples spread over two pixels, each counts the same.
-float tent(float u) {
-    return u < 0.5f ? std::sqrt(2 * u) - 1 : 1 - std::sqrt(2 - 2 * u);
+PixelFilter filterOf(const RenderSettings& settings) {
+    PixelFilter::Shape shape = PixelFilter::Shape::Box;
+    if (!PixelFilter::shapeFromName(settings.pixelFilter, shape)) {
+        throw Error("no pixel filter \"" + settings.pixelFilter +
+                    "\"; there are box, triangle, gaussian, blackmanHarris");
+    }
+    return PixelFilter(shape, settings.pixelFilterWidth);
 }
 
 } // namespace
@@ -61,7 +68,15 @@ struct Renderer::Impl {
 
     void prepareMesh(const std::string& id, const SceneMesh& m, double metersPerUnit, Kept& kept, Progress& progress);
     void placeInstances(const Scene& source);
+    std::size_t placeLights();
     void planSurfaces();
+    void planCamera(const Scene& source);
+    void chooseCamera();
+    std::uint64_t pixelNumber(int x, int y) const;
+    bool blursMotion() const {
+        return camera.moves() || std::any_of(scene->instances.begin(), scene->instances.end(),
+                                             [](const PreparedInstance& i) { return !i.motion.empty(); });
+    }
     std::shared_ptr<const PlainMaterial> materialOf(const SceneMesh& mesh, const Scene& source);
     void restartSampling() {
         adaptive.restart(film.width(), film.height());
@@ -73,7 +88,9 @@ struct Renderer::Impl {
     std::set<std::string> said;
 
     RenderSettings settings;
-    Camera camera;
+    PixelFilter filter;
+    Camera givenCamera, camera; ///< as the host says, and as the settings have it
+    FrameWindow window;
     Film film;
     ShellBuilder builder;
     ShellCores cores;
@@ -84,6 +101,8 @@ struct Renderer::Impl {
     Rgb clearColor{0.0f};
     float clearAlpha = 0;
     std::uint64_t preparedVersion = 0, lightVersion = 0;
+    Shutter preparedShutter;
+    bool hasMotion = false;          ///< some instance has samples of its way
     RenderSettings preparedSettings; ///< tables depend on quality and form, the core's samples on the seed
     int passes = 0;
     AdaptiveSampling adaptive;
@@ -164,6 +183,27 @@ std::shared_ptr<const PlainMaterial> Renderer::Impl::materialOf(const SceneMesh&
     return made;
 }
 
+// Lights where the scene is, and the meshes that shine, as far as samples of them agree with rays that meet them: the
+// same all over, whole, at rest. The others give light to whom they meet. How many meshes.
+std::size_t Renderer::Impl::placeLights() {
+    std::vector<MeshEmitter> emitters;
+    std::size_t triangles = 0;
+    for (const PreparedInstance& i : scene->instances) {
+        const PlainMaterial* const m = i.material.get();
+        if (m && m->emits() && m->opaque() && i.motion.empty() && !m->surface().emissiveColor.texture) {
+            triangles += i.mesh->surface->triangles.size();
+            if (triangles > kMostEmitterTriangles) {
+                say(Severity::Warning, "meshes that shine have more than " + std::to_string(kMostEmitterTriangles) +
+                                           " triangles: the rest of them is found by bounces alone");
+                break;
+            }
+            emitters.push_back({i.mesh->surface, i.objectToWorld, m->emission(), i.index});
+        }
+    }
+    scene->lights.place(scene->origin, emitters);
+    return scene->lights.meshCount();
+}
+
 // Which surfaces there are beside shells, and what of their light is followed.
 void Renderer::Impl::planSurfaces() {
     scenePlan.erase(std::remove_if(scenePlan.begin(), scenePlan.end(),
@@ -200,6 +240,56 @@ void Renderer::Impl::planSurfaces() {
                          : plain ? "stf:maxDepth is 0"
                                  : "no surface without a shell",
                          0});
+}
+
+// What of the host's camera the settings let through.
+void Renderer::Impl::chooseCamera() {
+    camera = settings.depthOfField ? givenCamera : givenCamera.pinhole();
+    if (!settings.motionBlur) {
+        camera = camera.atRest();
+    }
+    film.setExposure(std::exp2(camera.optics().exposure));
+}
+
+// A pixel's random numbers go by its place in the frame, so that a window shows the same as the whole.
+std::uint64_t Renderer::Impl::pixelNumber(int x, int y) const {
+    const std::int64_t fx = std::int64_t(x) + window.x, fy = std::int64_t(y) + window.y;
+    if (fx >= 0 && fx < window.frameWidth && fy >= 0 && fy < window.frameHeight) {
+        return std::uint64_t(fy) * std::uint64_t(window.frameWidth) + std::uint64_t(fx);
+    }
+    return (std::uint64_t(1) << 63) | (std::uint64_t(std::uint32_t(fy)) << 32) | std::uint64_t(std::uint32_t(fx));
+}
+
+void Renderer::Impl::planCamera(const Scene& source) {
+    scenePlan.erase(std::remove_if(scenePlan.begin(), scenePlan.end(),
+                                   [](const PlanEntry& e) { return e.stage == "lens" || e.stage == "motion"; }),
+                    scenePlan.end());
+    const bool lens = camera.optics().lens.blurs();
+    scenePlan.push_back({"scene", "lens", lens,
+                         lens                                ? "circles of confusion by the camera's lens"
+                         : givenCamera.optics().lens.blurs() ? "stf:depthOfField is off"
+                                                             : "the camera is a pinhole",
+                         0});
+    std::size_t moving = 0;
+    for (const PreparedInstance& i : scene->instances) {
+        moving += i.motion.empty() ? 0 : 1;
+    }
+    const bool runs = moving > 0 || camera.moves();
+    const bool open = givenCamera.optics().shutter.blurs();
+    scenePlan.push_back({"scene", "motion", runs,
+                         runs ? std::string(camera.moves() ? "the camera moves" : "the camera is at rest") +
+                                    ", moving instances: " + std::to_string(moving) + " of " +
+                                    std::to_string(scene->instances.size()) +
+                                    "; lights, cores and points are those of the exposure's middle or the frame"
+                         : !open                ? "the shutter opens for no time"
+                         : !settings.motionBlur ? "stf:motionBlur is off"
+                                                : "nothing moves while the shutter is open",
+                         0});
+    preparedShutter = camera.optics().shutter;
+    hasMotion = std::any_of(source.meshes().begin(), source.meshes().end(), [](const auto& m) {
+        return std::any_of(m.second.instances.begin(), m.second.instances.end(),
+                           [](const MeshInstance& i) { return i.motion.size() > 1; });
+    });
 }
 
 void Renderer::Impl::placeInstances(const Scene& source) {
@@ -250,13 +340,27 @@ void Renderer::Impl::placeInstances(const Scene& source) {
             }
             p.objectToWorld = i.objectToWorld;
             p.objectToWorld.translation -= scene->origin;
+            p.motion = motionSteps(i.motion, camera.optics().shutter);
+            if (!std::all_of(p.motion.begin(), p.motion.end(), [](const Transform& t) { return t.invertible(); })) {
+                say(Severity::Warning,
+                    id + ": its transform is singular or not finite while the shutter is open, it is not blurred");
+                p.motion.clear();
+            }
+            for (Transform& step : p.motion) {
+                step.translation -= scene->origin;
+            }
+            if (!p.motion.empty()) {
+                p.objectToWorld = atTime(p.motion, 0.5f);
+            }
             p.worldToObject = p.objectToWorld.inverse();
             p.primId = m.primId;
             p.instanceId = i.instanceId;
+            p.index = std::uint32_t(scene->instances.size());
             RayInstance r;
             r.mesh = p.mesh->rayMesh;
             r.objectToWorld = p.objectToWorld;
-            r.id = std::uint32_t(scene->instances.size());
+            r.motion = p.motion;
+            r.id = p.index;
             rays.push_back(r);
             scene->instances.push_back(std::move(p));
         }
@@ -281,14 +385,23 @@ void Renderer::setMessages(MessageSink messages) {
 }
 
 void Renderer::setSettings(const RenderSettings& settings) {
+    impl_->filter = filterOf(settings);
     impl_->settings = settings;
+    impl_->chooseCamera();
 }
 
 void Renderer::setCamera(const Camera& camera, int width, int height) {
-    impl_->camera = camera;
-    if (impl_->film.width() != width || impl_->film.height() != height) {
-        impl_->film.resize(width, height);
-        impl_->restartSampling();
+    setCamera(camera, {width, height, 0, 0, width, height});
+}
+
+void Renderer::setCamera(const Camera& camera, const FrameWindow& window) {
+    Impl& s = *impl_;
+    s.givenCamera = camera;
+    s.chooseCamera();
+    s.window = window;
+    if (s.film.width() != window.width || s.film.height() != window.height) {
+        s.film.resize(window.width, window.height);
+        s.restartSampling();
     }
 }
 
@@ -306,11 +419,13 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
         !s.scene || !s.scene->surfacesBounce || (s.settings.maxDepth > 0) == (s.preparedSettings.maxDepth > 0);
     if (s.scene && coresStay && source.version() == s.preparedVersion &&
         s.settings.quality == s.preparedSettings.quality && s.settings.transport == s.preparedSettings.transport &&
-        s.settings.seed == s.preparedSettings.seed) {
+        s.settings.seed == s.preparedSettings.seed &&
+        (!s.hasMotion || s.camera.optics().shutter == s.preparedShutter)) {
         if (s.settings.maxDepth != s.preparedSettings.maxDepth) {
             s.preparedSettings.maxDepth = s.settings.maxDepth;
             s.planSurfaces(); // all that it changes of what is prepared
         }
+        s.planCamera(source);
         return;
     }
     if (!s.scene) {
@@ -342,12 +457,15 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
         s.scene->lights = LightSet(source.lights(), [&](Severity v, const std::string& text) { s.say(v, text); });
         s.lightVersion = source.lightVersion();
     }
-    s.scenePlan.push_back(
-        {"scene", "lights", s.scene->lights.count() > 0,
-         std::to_string(s.scene->lights.count()) + " of " + std::to_string(source.lights().size()) + " give light", 0});
     s.placeInstances(source);
     s.planSurfaces();
-    s.scene->lights.place(s.scene->origin);
+    s.planCamera(source);
+    const std::size_t emitters = s.placeLights();
+    s.scenePlan.push_back({"scene", "lights", s.scene->lights.count() > 0,
+                           std::to_string(s.scene->lights.count() - emitters) + " of " +
+                               std::to_string(source.lights().size()) +
+                               " give light, meshes that do: " + std::to_string(emitters),
+                           0});
     s.builder.dropUnused();
     const auto emits = [](const PreparedInstance& i) { return i.mesh->shell && i.mesh->shell->medium->emits(); };
     const std::vector<PreparedInstance>& instances = s.scene->instances;
@@ -412,7 +530,7 @@ bool Renderer::renderPass(Progress& progress) {
         return true;
     }
     setThreadCount(s.settings.threads);
-    s.scene->clearColor = s.clearColor;
+    s.scene->clearColor = s.clearColor * float(std::exp2(-s.camera.optics().exposure));
     s.scene->clearAlpha = s.clearAlpha;
     s.scene->maxDepth = s.settings.maxDepth;
     s.scene->indirectClamp = s.settings.indirectClamp;
@@ -420,6 +538,9 @@ bool Renderer::renderPass(Progress& progress) {
     const int width = s.film.width(), height = s.film.height();
     const int tilesX = (width + kTile - 1) / kTile, tilesY = (height + kTile - 1) / kTile;
     const std::uint32_t pass = std::uint32_t(s.passes);
+    const bool lens = s.camera.optics().lens.blurs();
+    const bool motion = s.blursMotion();
+    s.film.setDenoised({});
     s.adaptive.beforePass(s.film, pass, double(s.settings.errorTarget));
     std::atomic<std::uint64_t> rays{0};
     parallelFor(std::size_t(tilesX) * std::size_t(tilesY), 1, [&](std::size_t begin, std::size_t end) {
@@ -433,18 +554,31 @@ bool Renderer::renderPass(Progress& progress) {
                         continue; // done before this pass was interrupted, or good enough
                     }
                     const auto ndc = [&](double px, double py) {
-                        return s.camera.ray(2 * px / width - 1, 2 * py / height - 1, s.scene->origin);
+                        return Vec2d(2 * (px + s.window.x) / s.window.frameWidth - 1,
+                                     2 * (py + s.window.y) / s.window.frameHeight - 1);
                     };
+                    const Vec2d middle = ndc(x + 0.5, y + 0.5);
                     if (pass == 0) {
-                        s.film.setHit(x, y, integrator.firstHit(ndc(x + 0.5, y + 0.5), s.camera));
+                        const Ray through = s.camera.ray(middle.x, middle.y, s.scene->origin);
+                        s.film.setHit(x, y, integrator.firstHit(through, s.camera));
                     }
-                    PixelSampler sampler(s.settings.seed, std::uint64_t(y) * std::uint64_t(width) + std::uint64_t(x),
-                                         s.film.sampleCount(x, y));
+                    PixelSampler sampler(s.settings.seed, s.pixelNumber(x, y), s.film.sampleCount(x, y));
                     const Vec2f u = sampler.next2d();
-                    const Ray ray = ndc(x + 0.5 + double(tent(u.x)), y + 0.5 + double(tent(u.y)));
-                    const RayCone cone =
-                        s.camera.cone(2 * (x + 0.5) / width - 1, 2 * (y + 0.5) / height - 1, 2.0 / width, 2.0 / height);
-                    s.film.add(x, y, integrator.sample(ray, cone, sampler));
+                    const Vec2d at =
+                        ndc(x + 0.5 + double(s.filter.offset(u.x)), y + 0.5 + double(s.filter.offset(u.y)));
+                    // Numbers are drawn only for what blurs: the others stay what they are without it.
+                    float time = 0.5f;
+                    Ray ray;
+                    if (lens || motion) {
+                        const Vec2d onLens = lens ? onUnitDisc(sampler.next2d()) : Vec2d();
+                        time = motion ? sampler.next1d() : 0.5f;
+                        ray = s.camera.ray(at.x, at.y, s.scene->origin, onLens, time);
+                    } else {
+                        ray = s.camera.ray(at.x, at.y, s.scene->origin);
+                    }
+                    const RayCone cone = s.camera.cone(middle.x, middle.y, 2.0 / s.window.frameWidth,
+                                                       2.0 / s.window.frameHeight, s.settings.samples);
+                    s.film.add(x, y, integrator.sample(ray, cone, sampler, time));
                     done = pass + 1;
                 }
             }
@@ -460,6 +594,36 @@ bool Renderer::renderPass(Progress& progress) {
         s.stats.firstPixelSeconds = since(s.prepareStart);
     }
     return true;
+}
+
+void Renderer::denoise() {
+    Impl& s = *impl_;
+    DenoiserInput in;
+    in.width = s.film.width();
+    in.height = s.film.height();
+    s.film.setDenoised({});
+    const std::vector<float> rgba = s.film.read(Aov::Color);
+    for (std::size_t i = 0; i < rgba.size(); i += 4) {
+        in.color.insert(in.color.end(), {rgba[i], rgba[i + 1], rgba[i + 2]});
+    }
+    if (!s.camera.optics().lens.blurs() && !s.blursMotion()) {
+        in.albedo = s.film.read(Aov::Albedo);
+        in.normal = s.film.read(Aov::Normal);
+    }
+    const auto start = Clock::now();
+    const auto plan = [&](bool runs, const std::string& why) {
+        s.scenePlan.erase(std::remove_if(s.scenePlan.begin(), s.scenePlan.end(),
+                                         [](const PlanEntry& e) { return e.stage == "denoise"; }),
+                          s.scenePlan.end());
+        s.scenePlan.push_back({"scene", "denoise", runs, why, since(start)});
+    };
+    try {
+        s.film.setDenoised(Denoiser::denoise(in));
+        plan(true, in.albedo.empty() ? "by colour" : "by colour, albedo and normal");
+    } catch (const Error& e) {
+        plan(false, e.what());
+        s.say(Severity::Warning, std::string(e.what()) + "; the image is not denoised");
+    }
 }
 
 bool Renderer::converged() const {

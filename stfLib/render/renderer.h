@@ -28,10 +28,15 @@ struct RenderSettings {
     std::string transport = "dE1"; ///< form of the tables, where a binding does not say: dE1, classic
     int maxDepth = 4;              ///< bounces off surfaces that are no shells; 0: direct light alone
     float indirectClamp = 0;       ///< most that a bounced path brings (radiance, largest channel); 0: no limit
+    std::string pixelFilter = "blackmanHarris"; ///< box, triangle, gaussian, blackmanHarris
+    float pixelFilterWidth = 0;                 ///< of its support, pixels; 0: the filter's own
+    bool depthOfField = true;                   ///< the camera's lens counts; else it is a pinhole
+    bool motionBlur = true;                     ///< what moves while the shutter is open is blurred
     bool operator==(const RenderSettings& s) const {
         return samples == s.samples && seed == s.seed && errorTarget == s.errorTarget && threads == s.threads &&
                quality == s.quality && transport == s.transport && maxDepth == s.maxDepth &&
-               indirectClamp == s.indirectClamp;
+               indirectClamp == s.indirectClamp && pixelFilter == s.pixelFilter &&
+               pixelFilterWidth == s.pixelFilterWidth && depthOfField == s.depthOfField && motionBlur == s.motionBlur;
     }
 };
 
@@ -75,9 +80,11 @@ public:
     Renderer& operator=(const Renderer&) = delete;
 
     void setMessages(MessageSink messages);
+    /// Throws Error for a pixel filter that does not exist.
     void setSettings(const RenderSettings& settings);
     void setCamera(const Camera& camera, int width, int height);
-    /// Background where no dome covers it: colour and alpha.
+    void setCamera(const Camera& camera, const FrameWindow& window);
+    /// Background where no dome covers it: colour and alpha. The camera's exposure does not touch it.
     void setClearColor(const Rgb& color, float alpha);
 
     /// Brings everything derived up to date with the scene: only what an edit touched. A mesh whose preparation fails
@@ -88,6 +95,10 @@ public:
     /// Adds one sample to every pixel. Returns false, with the pass undone for no pixel, when cancelled: call restart.
     bool renderPass(Progress& progress);
     bool converged() const;
+    /// Takes the noise out of the colour as it is now, for `Aov::Denoised`; the next pass drops that. Where lens and
+    /// motion leave the first hits sharp in the pixels, their albedo and normal help. Where Open Image Denoise is
+    /// missing or fails, a warning says so once and nothing changes.
+    void denoise();
 
     const Film& film() const;
     RenderStats stats() const;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "stfLib/base/motion.h"
 #include "stfLib/render/light.h"
 #include "stfLib/render/preview_surface.h"
 #include "stfLib/render/stf_binding.h"
@@ -18,10 +19,11 @@ namespace stf {
 
 /// One instance of a mesh.
 struct MeshInstance {
-    Transform objectToWorld;
+    Transform objectToWorld; ///< at the present time
     std::int32_t instanceId = 0;
+    std::vector<TransformSample> motion; ///< objectToWorld around it; empty: at rest
     bool operator==(const MeshInstance& i) const {
-        return objectToWorld == i.objectToWorld && instanceId == i.instanceId;
+        return objectToWorld == i.objectToWorld && instanceId == i.instanceId && motion == i.motion;
     }
 };
 

@@ -18,7 +18,25 @@ Rgb SceneRays::visibility(const Vec3f& origin, const LightSample& light) {
         return throughSurfaces(ray);
     }
     ++count_;
-    return Rgb(scene_.rays->occluded(ray) ? 0.0f : 1.0f);
+    return Rgb(scene_.rays->occluded(ray, time_) ? 0.0f : 1.0f);
+}
+
+const PreparedInstance& SceneRays::moved(const PreparedInstance& placed) {
+    Moved& m = moved_[placed.index];
+    if (m.timeVersion == 0) {
+        // What light needs of a place; the core's radiance stays with the scene.
+        m.instance.mesh = placed.mesh;
+        m.instance.material = placed.material;
+        m.instance.primId = placed.primId;
+        m.instance.instanceId = placed.instanceId;
+        m.instance.index = placed.index;
+    }
+    if (m.timeVersion != timeVersion_) {
+        m.timeVersion = timeVersion_;
+        m.instance.objectToWorld = atTime(placed.motion, time_);
+        m.instance.worldToObject = m.instance.objectToWorld.inverse();
+    }
+    return m.instance;
 }
 
 Rgb SceneRays::throughSurfaces(Ray ray) {
@@ -28,7 +46,7 @@ Rgb SceneRays::throughSurfaces(Ray ray) {
         if (!intersect(ray, hit)) {
             return left;
         }
-        const PreparedInstance& instance = scene_.instances[hit.instance];
+        const PreparedInstance& instance = this->instance(hit.instance);
         if (instance.mesh->shell || !instance.material || instance.material->opaque()) {
             return Rgb(0.0f);
         }

@@ -4,6 +4,8 @@
 #include "stfLib/base/sampler.h"
 #include "stfLib/render/prepared_scene.h"
 
+#include <unordered_map>
+
 namespace stf {
 
 constexpr int kMaxLightsPerPath = 4; // more are chosen from at random, so that cost stays bounded
@@ -15,9 +17,19 @@ class SceneRays {
 public:
     explicit SceneRays(const PreparedScene& scene) : scene_(scene) {}
 
+    /// When the rays to come are, of the exposure: 0 to 1.
+    void setTime(float time) {
+        time_ = time;
+        ++timeVersion_;
+    }
     bool intersect(const Ray& ray, RayHit& hit) {
         ++count_;
-        return scene_.rays->intersect(ray, hit);
+        return scene_.rays->intersect(ray, hit, time_);
+    }
+    /// Where an instance is at that time. The reference holds until the time is set again.
+    const PreparedInstance& instance(std::uint32_t index) {
+        const PreparedInstance& placed = scene_.instances[index];
+        return placed.motion.empty() ? placed : moved(placed);
     }
     /// The share of a light that arrives at a point (world): 0 or 1, but for surfaces that are not opaque.
     Rgb visibility(const Vec3f& origin, const LightSample& light);
@@ -28,10 +40,18 @@ public:
     void add(std::uint64_t rays) { count_ += rays; }
 
 private:
+    struct Moved {
+        PreparedInstance instance;
+        std::uint64_t timeVersion = 0;
+    };
     Rgb throughSurfaces(Ray ray);
+    const PreparedInstance& moved(const PreparedInstance& placed);
 
     const PreparedScene& scene_;
     std::uint64_t count_ = 0;
+    float time_ = 0.5f;
+    std::uint64_t timeVersion_ = 1;
+    std::unordered_map<std::uint32_t, Moved> moved_; ///< of the moving instances that were met
 };
 
 } // namespace stf

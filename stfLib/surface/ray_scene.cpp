@@ -10,6 +10,8 @@
 #endif
 
 #include <algorithm>
+#include <array>
+#include <iterator>
 
 namespace stf {
 
@@ -64,12 +66,20 @@ void addTriangles(RTCScene scene, const std::vector<Vec3f>& points, const std::v
     rtcReleaseGeometry(geometry);
 }
 
+using Columns = std::array<float, 12>;
+
+Columns columnsOf(const Transform& m) {
+    return {float(m.x.x), float(m.x.y),           float(m.x.z),           float(m.y.x),
+            float(m.y.y), float(m.y.z),           float(m.z.x),           float(m.z.y),
+            float(m.z.z), float(m.translation.x), float(m.translation.y), float(m.translation.z)};
+}
+
 bool traceable(const Ray& ray) {
     return isFinite(ray.origin) && isFinite(ray.direction) && dot(ray.direction, ray.direction) > 0 &&
            ray.tNear <= ray.tFar;
 }
 
-void fill(const Ray& ray, RTCRay& out) {
+void fill(const Ray& ray, float time, RTCRay& out) {
     out.org_x = ray.origin.x;
     out.org_y = ray.origin.y;
     out.org_z = ray.origin.z;
@@ -77,7 +87,7 @@ void fill(const Ray& ray, RTCRay& out) {
     out.dir_x = ray.direction.x;
     out.dir_y = ray.direction.y;
     out.dir_z = ray.direction.z;
-    out.time = 0;
+    out.time = time;
     out.tfar = ray.tFar;
     out.mask = ~0u;
     out.id = 0;
@@ -85,9 +95,9 @@ void fill(const Ray& ray, RTCRay& out) {
 }
 
 /// Nearest hit nearer than `ray.tFar`; `instance` receives the number of the instance in the scene.
-bool nearest(RTCScene scene, const Ray& ray, RayHit& hit, unsigned* instance) {
+bool nearest(RTCScene scene, const Ray& ray, float time, RayHit& hit, unsigned* instance) {
     RTCRayHit rayHit;
-    fill(ray, rayHit.ray);
+    fill(ray, time, rayHit.ray);
     rayHit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     rayHit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
 #if RTC_VERSION_MAJOR >= 4
@@ -111,9 +121,9 @@ bool nearest(RTCScene scene, const Ray& ray, RayHit& hit, unsigned* instance) {
     return true;
 }
 
-bool anyHit(RTCScene scene, const Ray& ray) {
+bool anyHit(RTCScene scene, const Ray& ray, float time) {
     RTCRay rtcRay;
-    fill(ray, rtcRay);
+    fill(ray, time, rtcRay);
 #if RTC_VERSION_MAJOR >= 4
     rtcOccluded1(scene, &rtcRay);
 #else
@@ -216,12 +226,12 @@ bool RayMesh::intersect(const Ray& objectRay, RayHit& hit, unsigned mask) const 
     }
     Ray ray = objectRay;
     bool found = false;
-    if ((mask & 1u) && nearest(impl_->surface.get(), ray, hit, nullptr)) {
+    if ((mask & 1u) && nearest(impl_->surface.get(), ray, 0, hit, nullptr)) {
         hit.geometry = 0;
         ray.tFar = hit.t;
         found = true;
     }
-    if ((mask & 2u) && impl_->inner && nearest(impl_->inner->get(), ray, hit, nullptr)) {
+    if ((mask & 2u) && impl_->inner && nearest(impl_->inner->get(), ray, 0, hit, nullptr)) {
         hit.geometry = 1;
         found = true;
     }
@@ -232,8 +242,8 @@ bool RayMesh::intersect(const Ray& objectRay, RayHit& hit, unsigned mask) const 
 }
 
 bool RayMesh::occluded(const Ray& objectRay, unsigned mask) const {
-    return traceable(objectRay) && (((mask & 1u) && anyHit(impl_->surface.get(), objectRay)) ||
-                                    ((mask & 2u) && impl_->inner && anyHit(impl_->inner->get(), objectRay)));
+    return traceable(objectRay) && (((mask & 1u) && anyHit(impl_->surface.get(), objectRay, 0)) ||
+                                    ((mask & 2u) && impl_->inner && anyHit(impl_->inner->get(), objectRay, 0)));
 }
 
 float RayMesh::innerDistance(const Vec3f& objectPoint, float limit) const {
@@ -279,17 +289,24 @@ RayScene::RayScene(const std::vector<RayInstance>& instances) : impl_(std::make_
         if (!instance.visible || !instance.mesh || !instance.objectToWorld.invertible()) {
             continue;
         }
-        const Transform& m = instance.objectToWorld;
-        const float columns[12] = {float(m.x.x),           float(m.x.y),           float(m.x.z),
-                                   float(m.y.x),           float(m.y.y),           float(m.y.z),
-                                   float(m.z.x),           float(m.z.y),           float(m.z.z),
-                                   float(m.translation.x), float(m.translation.y), float(m.translation.z)};
-        if (!std::all_of(columns, columns + 12, [](float f) { return std::abs(f) < 1e18f; })) {
+        std::vector<Columns> steps;
+        if (instance.motion.size() > 1) {
+            std::transform(instance.motion.begin(), instance.motion.end(), std::back_inserter(steps), columnsOf);
+        } else {
+            steps.push_back(columnsOf(instance.objectToWorld));
+        }
+        const auto representable = [](const Columns& columns) {
+            return std::all_of(columns.begin(), columns.end(), [](float f) { return std::abs(f) < 1e18f; });
+        };
+        if (!std::all_of(steps.begin(), steps.end(), representable)) {
             continue;
         }
         RTCGeometry geometry = rtcNewGeometry(sharedDevice(), RTC_GEOMETRY_TYPE_INSTANCE);
         rtcSetGeometryInstancedScene(geometry, instance.mesh->impl().surface.get());
-        rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns);
+        rtcSetGeometryTimeStepCount(geometry, unsigned(steps.size()));
+        for (std::size_t i = 0; i < steps.size(); ++i) {
+            rtcSetGeometryTransform(geometry, unsigned(i), RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, steps[i].data());
+        }
         rtcCommitGeometry(geometry);
         rtcAttachGeometryByID(impl_->scene.get(), geometry, unsigned(impl_->ids.size()));
         rtcReleaseGeometry(geometry);
@@ -301,9 +318,9 @@ RayScene::RayScene(const std::vector<RayInstance>& instances) : impl_(std::make_
 
 RayScene::~RayScene() = default;
 
-bool RayScene::intersect(const Ray& worldRay, RayHit& hit) const {
+bool RayScene::intersect(const Ray& worldRay, RayHit& hit, float time) const {
     unsigned instance = 0;
-    if (!traceable(worldRay) || !nearest(impl_->scene.get(), worldRay, hit, &instance)) {
+    if (!traceable(worldRay) || !nearest(impl_->scene.get(), worldRay, time, hit, &instance)) {
         return false;
     }
     hit.geometry = 0;
@@ -311,8 +328,8 @@ bool RayScene::intersect(const Ray& worldRay, RayHit& hit) const {
     return true;
 }
 
-bool RayScene::occluded(const Ray& worldRay) const {
-    return traceable(worldRay) && anyHit(impl_->scene.get(), worldRay);
+bool RayScene::occluded(const Ray& worldRay, float time) const {
+    return traceable(worldRay) && anyHit(impl_->scene.get(), worldRay, time);
 }
 
 Box3f RayScene::bounds() const {

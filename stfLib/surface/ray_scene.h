@@ -53,6 +53,8 @@ private:
 struct RayInstance {
     std::shared_ptr<const RayMesh> mesh;
     Transform objectToWorld;
+    /// Of an instance that moves: at least two steps (at most 129), even in time, matrix elements linear in between.
+    std::vector<Transform> motion;
     std::uint32_t id = 0; ///< returned as RayHit::instance
     bool visible = true;
 };
@@ -66,8 +68,10 @@ public:
     RayScene(const RayScene&) = delete;
     RayScene& operator=(const RayScene&) = delete;
 
-    bool intersect(const Ray& worldRay, RayHit& hit) const;
-    bool occluded(const Ray& worldRay) const;
+    /// `time`: 0 (first step of motion) to 1 (last).
+    bool intersect(const Ray& worldRay, RayHit& hit, float time = 0.5f) const;
+    bool occluded(const Ray& worldRay, float time = 0.5f) const;
+    /// Of all instances at all times.
     Box3f bounds() const;
 
 private:

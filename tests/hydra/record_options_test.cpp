@@ -2,6 +2,12 @@
 #include "tools/stfrecord/image.h"
 #include "tools/stfrecord/options.h"
 
+#include "stfLib/base/temporary_folder.h"
+
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfInputFile.h>
+
 #include <gtest/gtest.h>
 
 namespace stfrecord {
@@ -30,6 +36,47 @@ TEST(RecordOptions, FilePerFrame) {
     EXPECT_EQ(framePath("a.###.exr", 7, false), "a.007.exr");
     EXPECT_EQ(framePath("a.##.exr", 1234.5, true), "a.1234.500.exr");
     EXPECT_EQ(framePath("a.#.exr", -2, true), "a.-2.exr");
+}
+
+std::optional<int> parse(std::vector<std::string> words, Options& options) {
+    words.insert(words.begin(), {"stfrecord", "in.usda", "out.exr"});
+    std::vector<char*> argv;
+    for (std::string& word : words) {
+        argv.push_back(word.data());
+    }
+    return parseOptions(static_cast<int>(argv.size()), argv.data(), options);
+}
+
+TEST(RecordOptions, Crop) {
+    Options options;
+    EXPECT_FALSE(parse({"--crop", "0.25,0,0.5,1"}, options));
+    EXPECT_EQ(*options.crop, (std::array<float, 4>{0.25f, 0, 0.5f, 1}));
+    EXPECT_FALSE(parse({"--crop=-0.1,-0.1,1.1,1.1"}, options));
+    EXPECT_EQ((*options.crop)[0], -0.1f);
+    for (const char* bad : {"0,0,1", "0,0,1,1,1", "0.5,0,0.5,1", "0,1,1,0", "a,0,1,1", "0,0,nan,1"}) {
+        EXPECT_EQ(parse({"--crop", bad}, options), std::optional<int>(BadUsage)) << bad;
+    }
+}
+
+// The image lies in its frame: data window and display window as OpenEXR has them, rows from the top.
+TEST(RecordOptions, WindowsAreWritten) {
+    const stf::TemporaryFolder folder;
+    Image image;
+    image.width = 3;
+    image.height = 2;
+    image.frame = {-10, -20, 40, 30};
+    image.layers = {{"alpha", 1, {1, 2, 3, 4, 5, 6}, {}}};
+    writeExr(image, folder.file("part.exr"));
+    Imf::InputFile file(folder.file("part.exr").c_str());
+    EXPECT_EQ(file.header().displayWindow(), Imath::Box2i({0, 0}, {39, 29}));
+    const Imath::Box2i data = file.header().dataWindow();
+    EXPECT_EQ(data, Imath::Box2i({10, 20}, {12, 21}));
+    std::vector<float> read(6);
+    Imf::FrameBuffer frame;
+    frame.insert("alpha.A", Imf::Slice::Make(Imf::FLOAT, read.data(), data));
+    file.setFrameBuffer(frame);
+    file.readPixels(data.min.y, data.max.y);
+    EXPECT_EQ(read, image.layers[0].floats);
 }
 
 TEST(RecordOptions, ChannelNames) {

@@ -35,6 +35,7 @@ TestHost::TestHost(const std::string& usda, const std::vector<std::string>& aovs
     buffers_ = std::make_unique<Buffers>(index_.get());
     scene_ = std::make_unique<UsdImagingDelegate>(index_.get(), SdfPath::AbsoluteRootPath());
     scene_->Populate(stage->GetPseudoRoot());
+    scene_->SetCameraForSampling(SdfPath("/Camera"));
     scene_->SetTime(UsdTimeCode::EarliestTime());
     setOutputs(aovs, width, height);
     delegate->SetRenderSetting(TfToken("stf:samples"), VtValue(2));
@@ -52,6 +53,15 @@ TestHost::~TestHost() {
 }
 
 void TestHost::setOutputs(const std::vector<std::string>& aovs, int width, int height) {
+    setOutputs(aovs, width, height, width, height);
+}
+
+const HdStfCamera& TestHost::camera() {
+    return *static_cast<HdStfCamera*>(index_->GetSprim(HdPrimTypeTokens->camera, SdfPath("/Camera")));
+}
+
+void TestHost::setOutputs(const std::vector<std::string>& aovs, int width, int height, int frameWidth,
+                          int frameHeight) {
     task_.reset();
     for (const auto& [id, descriptor] : buffers_->descriptors) {
         index_->RemoveBprim(HdPrimTypeTokens->renderBuffer, id);
@@ -73,8 +83,9 @@ void TestHost::setOutputs(const std::vector<std::string>& aovs, int width, int h
         index_->InsertBprim(HdPrimTypeTokens->renderBuffer, buffers_.get(), binding.renderBufferId);
         bindings.push_back(binding);
     }
-    task_ = std::make_shared<stfrecord::RecordTask>(
-        *index_, bindings, width, height, TfTokenVector{HdRenderTagTokens->geometry, HdRenderTagTokens->render});
+    task_ =
+        std::make_shared<stfrecord::RecordTask>(*index_, bindings, frameWidth, frameHeight,
+                                                TfTokenVector{HdRenderTagTokens->geometry, HdRenderTagTokens->render});
     task_->setCamera(SdfPath("/Camera"));
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "hdStf/camera.h"
 #include "hdStf/renderBuffer.h"
 #include "hdStf/renderDelegate.h"
 #include "tools/stfrecord/recordTask.h"
@@ -28,6 +29,10 @@ public:
 
     /// New buffers of that size, as a host does when its window changes.
     void setOutputs(const std::vector<std::string>& aovs, int width, int height);
+    /// The same for a frame of another size than that of the buffers.
+    void setOutputs(const std::vector<std::string>& aovs, int width, int height, int frameWidth, int frameHeight);
+    void setTime(double time) { scene_->SetTime(PXR_NS::UsdTimeCode(time)); }
+    const PXR_NS::HdStfCamera& camera();
     /// Hands pending edits over and executes once.
     void execute();
     bool converged() const { return task_->isConverged(); }

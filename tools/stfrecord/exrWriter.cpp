@@ -37,12 +37,16 @@ std::vector<std::string> channelNames(const Layer& layer) {
 }
 
 void writeExr(const Image& image, const std::string& path) {
-    Imf::Header header(image.width, image.height);
+    const Window frame = image.frame.width > 0 ? image.frame : Window{0, 0, image.width, image.height};
+    // The frame starts at (0, 0), the image lies where it is in it.
+    const Imath::Box2i display({0, 0}, {frame.width - 1, frame.height - 1});
+    const Imath::Box2i data({-frame.x, -frame.y}, {image.width - 1 - frame.x, image.height - 1 - frame.y});
+    Imf::Header header(display, data);
     header.compression() = Imf::ZIP_COMPRESSION;
     for (const auto& [key, value] : image.metadata) {
         header.insert(key, Imf::StringAttribute(value));
     }
-    Imf::FrameBuffer frame;
+    Imf::FrameBuffer pixels;
     for (const Layer& layer : image.layers) {
         const bool integer = !layer.integers.empty();
         const std::vector<std::string> names = channelNames(layer);
@@ -55,14 +59,14 @@ void writeExr(const Image& image, const std::string& path) {
             const Imf::PixelType type = integer ? Imf::UINT : Imf::FLOAT;
             header.channels().insert(names[c], Imf::Channel(type));
             // OpenEXR takes a writable pointer for both directions and only reads through it here.
-            frame.insert(names[c], Imf::Slice(type, const_cast<char*>(base) + c * valueSize, pixelSize,
-                                              pixelSize * static_cast<std::size_t>(image.width)));
+            pixels.insert(names[c], Imf::Slice::Make(type, const_cast<char*>(base) + c * valueSize, data, pixelSize,
+                                                     pixelSize * static_cast<std::size_t>(image.width)));
         }
     }
     writeAtomically(path, [&](const std::string& temporary) {
         try {
             Imf::OutputFile file(temporary.c_str(), header);
-            file.setFrameBuffer(frame);
+            file.setFrameBuffer(pixels);
             file.writePixels(image.height);
         } catch (const std::exception& error) {
             throw std::runtime_error("cannot write " + path + ": " + error.what());

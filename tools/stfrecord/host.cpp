@@ -54,6 +54,7 @@ struct Host::Impl {
     std::unique_ptr<BufferDelegate> buffers;
     HdEngine engine;
     std::shared_ptr<RecordTask> task;
+    Window frame; // in pixels of the image
     TfTokenVector renderTags = {HdRenderTagTokens->geometry};
 
     void removeBuffers() {
@@ -115,7 +116,8 @@ void Host::populate(const std::vector<std::string>& purposes, int refineLevel) {
     impl_->scene->Populate(impl_->stage->GetPseudoRoot());
 }
 
-std::vector<std::string> Host::setOutputs(const std::vector<std::string>& aovs, int width, int height) {
+std::vector<std::string> Host::setOutputs(const std::vector<std::string>& aovs, int frameWidth, int frameHeight,
+                                          const HdStfWindow& window) {
     impl_->task.reset();
     impl_->removeBuffers();
     std::vector<std::string> unknown;
@@ -132,16 +134,18 @@ std::vector<std::string> Host::setOutputs(const std::vector<std::string>& aovs, 
             impl_->buffers->GetDelegateID().AppendChild(TfToken("aov_" + TfMakeValidIdentifier(name)));
         binding.clearValue = aov.clearValue;
         binding.aovSettings = aov.aovSettings;
-        impl_->buffers->descriptors_[binding.renderBufferId] = {GfVec3i(width, height, 1), aov.format,
+        impl_->buffers->descriptors_[binding.renderBufferId] = {GfVec3i(window.width, window.height, 1), aov.format,
                                                                 aov.multiSampled};
         impl_->index->InsertBprim(HdPrimTypeTokens->renderBuffer, impl_->buffers.get(), binding.renderBufferId);
         bindings.push_back(binding);
     }
-    impl_->task = std::make_shared<RecordTask>(*impl_->index, bindings, width, height, impl_->renderTags);
+    impl_->task = std::make_shared<RecordTask>(*impl_->index, bindings, frameWidth, frameHeight, impl_->renderTags);
+    impl_->frame = {-window.x, window.y + window.height - frameHeight, frameWidth, frameHeight};
     return unknown;
 }
 
 bool Host::render(const SdfPath& camera, UsdTimeCode time, const std::function<bool()>& poll) {
+    impl_->scene->SetCameraForSampling(camera);
     impl_->scene->ApplyPendingUpdates();
     impl_->scene->SetTime(time);
     impl_->task->setCamera(camera);
@@ -165,6 +169,7 @@ bool Host::render(const SdfPath& camera, UsdTimeCode time, const std::function<b
 
 Image Host::readImage() const {
     Image image;
+    image.frame = impl_->frame;
     for (const HdRenderPassAovBinding& binding : impl_->task->bindings()) {
         auto* buffer = static_cast<HdRenderBuffer*>(
             impl_->index->GetBprim(HdPrimTypeTokens->renderBuffer, binding.renderBufferId));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "hdStf/window.h"
 #include "tools/stfrecord/image.h"
 
 #include "pxr/base/tf/token.h"
@@ -31,8 +32,10 @@ public:
     /// Brings the stage in. Once, before the first frame.
     void populate(const std::vector<std::string>& purposes, int refineLevel);
 
-    /// Size and AOVs of the images to come. Returns the names of AOVs the delegate does not have; the others are bound.
-    std::vector<std::string> setOutputs(const std::vector<std::string>& aovs, int width, int height);
+    /// Size and AOVs of the images to come: `window` of a frame (rows from the bottom up). Returns the names of AOVs
+    /// the delegate does not have; the others are bound.
+    std::vector<std::string> setOutputs(const std::vector<std::string>& aovs, int frameWidth, int frameHeight,
+                                        const PXR_NS::HdStfWindow& window);
 
     /// Renders until converged. Calls `poll` every few milliseconds; if that returns false rendering is stopped, and so
     /// is this with false.

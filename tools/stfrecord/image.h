@@ -16,14 +16,21 @@ struct Layer {
     std::vector<std::int32_t> integers; ///< used instead of `floats` where not empty
 };
 
+/// Pixels of a frame; may reach beyond it. Rows from the top down.
+struct Window {
+    int x = 0, y = 0, width = 0, height = 0;
+};
+
 struct Image {
     int width = 0, height = 0;
+    /// Where the frame lies that this is a part of, in pixels of the image; empty: the image is the frame.
+    Window frame;
     std::vector<Layer> layers;
     std::vector<std::pair<std::string, std::string>> metadata;
 };
 
-/// Writes all layers into one EXR: `color` as R, G, B, A, any other as LAYER.CHANNEL. The file appears when it is
-/// whole. Throws std::runtime_error with a sentence.
+/// Writes all layers into one EXR, the image as its data window, the frame as its display window: `color` as R, G, B,
+/// A, any other as LAYER.CHANNEL. The file appears when it is whole. Throws std::runtime_error with a sentence.
 void writeExr(const Image& image, const std::string& path);
 
 /// Writes the colour as 8-bit sRGB, over black, clipped to 0..1. The file appears when it is whole. Throws likewise;

@@ -12,6 +12,7 @@
 #include "pxr/base/tf/stringUtils.h"
 #include "pxr/usd/usdGeom/metrics.h"
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -96,7 +97,10 @@ public:
 
     ExitCode run() {
         const std::vector<double>& frames = options_.frames;
-        const UsdTimeCode first = frames.empty() ? UsdTimeCode::EarliestTime() : UsdTimeCode(frames[0]);
+        // The start where there is one: shutters need a time that is a number.
+        const UsdTimeCode first = !frames.empty()                      ? UsdTimeCode(frames[0])
+                                  : stage_->HasAuthoredTimeCodeRange() ? UsdTimeCode(stage_->GetStartTimeCode())
+                                                                       : UsdTimeCode::EarliestTime();
         camera_ = chooseCamera(stage_, options_, first, console_);
         if (camera_.IsEmpty()) {
             return BadUsage;
@@ -147,11 +151,24 @@ private:
     }
 
     bool bindOutputs() {
-        const std::vector<std::string> unknown = host_.setOutputs(options_.aovs, options_.imageWidth, height_);
+        HdStfWindow window = {0, 0, options_.imageWidth, height_};
+        if (options_.crop) {
+            const auto& c = *options_.crop;
+            window = HdStfDataWindow(GfVec4f(c[0], c[1], c[2], c[3]), options_.imageWidth, height_);
+        }
+        if (window.IsEmpty()) {
+            console_.message("error", "--crop leaves no pixel of the frame", true);
+            return false;
+        }
+        std::vector<std::string> aovs = options_.aovs;
+        if (options_.denoise && std::find(aovs.begin(), aovs.end(), "denoised") == aovs.end()) {
+            aovs.push_back("denoised");
+        }
+        const std::vector<std::string> unknown = host_.setOutputs(aovs, options_.imageWidth, height_, window);
         for (const std::string& aov : unknown) {
             console_.message("error", "the renderer has no AOV \"" + aov + "\"; it is left out", true);
         }
-        return unknown.size() < options_.aovs.size();
+        return unknown.size() < aovs.size();
     }
 
     bool write(double frame, double seconds) {

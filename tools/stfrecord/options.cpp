@@ -52,6 +52,21 @@ bool appendRange(const std::string& text, std::vector<double>& frames) {
     return true;
 }
 
+std::optional<std::array<float, 4>> parseCrop(const std::string& text) {
+    std::array<float, 4> crop{};
+    std::istringstream parts(text);
+    std::string part;
+    std::size_t count = 0;
+    for (double number = 0; std::getline(parts, part, ','); ++count) {
+        if (count == 4 || !parseNumber(part, number)) {
+            return std::nullopt;
+        }
+        crop[count] = float(number);
+    }
+    const bool ordered = count == 4 && crop[0] < crop[2] && crop[1] < crop[3];
+    return ordered ? std::make_optional(crop) : std::nullopt;
+}
+
 std::string frameNumber(double frame, int digits) {
     char text[64];
     double whole = 0;
@@ -117,7 +132,7 @@ std::optional<int> parseOptions(int argc, char** argv, Options& options) {
     CLI::App app(
         "Renders a USD scene through a Hydra delegate, without GPU and window, all AOVs into one EXR per frame.",
         "stfrecord");
-    std::string frames, aovs, purposes, complexity = "high";
+    std::string frames, crop, aovs, purposes, complexity = "high";
     std::vector<std::string> settings;
     const std::map<std::string, int> levels = {{"low", 0}, {"medium", 1}, {"high", 2}, {"veryhigh", 3}};
 
@@ -126,6 +141,9 @@ std::optional<int> parseOptions(int argc, char** argv, Options& options) {
     app.add_option("--camera", options.camera, "path or name of a camera (default: the scene's first)");
     app.add_option("--imageWidth", options.imageWidth, "width in pixels; the height follows from the camera (960)")
         ->check(CLI::Range(1, 32768));
+    app.add_option(
+        "--crop", crop,
+        "XMIN,YMIN,XMAX,YMAX: the part of the frame to render, shares from its lower left; beyond 0..1: overscan");
     app.add_option("--frames", frames, "A, A:B, A:BxS, and such separated by commas");
     app.add_option("--samples", options.samples, "samples per pixel")->check(CLI::Range(1, 1 << 24));
     app.add_option("--seed", options.seed, "seed of all random numbers");
@@ -138,6 +156,7 @@ std::optional<int> parseOptions(int argc, char** argv, Options& options) {
         ->check(CLI::IsMember({"low", "medium", "high", "veryhigh"}));
     app.add_option("--png", options.png, "also write the colour as 8-bit sRGB");
     app.add_option("--stats", options.stats, "write statistics as JSON");
+    app.add_flag("--denoise", options.denoise, "also the denoised colour, as AOV denoised");
     app.add_flag("--plan", options.plan, "print which stages ran, which were left out, and why");
     app.add_flag("--quiet", options.quiet, "print errors only");
 
@@ -164,6 +183,12 @@ std::optional<int> parseOptions(int argc, char** argv, Options& options) {
         return usage(error.what());
     }
 
+    if (!crop.empty()) {
+        options.crop = parseCrop(crop);
+        if (!options.crop) {
+            return usage("--crop \"" + crop + "\" is not XMIN,YMIN,XMAX,YMAX with the first below the others");
+        }
+    }
     if (!frames.empty()) {
         std::string error;
         options.frames = parseFrames(frames, error);

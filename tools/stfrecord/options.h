@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <utility>
@@ -18,6 +19,9 @@ struct Options {
     std::string camera;
     int imageWidth = 960;
     std::vector<double> frames; ///< empty: the first time of the scene
+    /// x and y from, x and y to, as shares of the frame from its lower left; may reach beyond 0..1.
+    std::optional<std::array<float, 4>> crop;
+    bool denoise = false;
     std::optional<int> samples;
     std::optional<int> seed;
     std::optional<int> threads;

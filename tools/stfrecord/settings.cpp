@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/stfrecord/settings.h"
 
+#include "pxr/base/gf/vec4f.h"
 #include "pxr/base/tf/stringUtils.h"
 #include "pxr/base/work/threadLimits.h"
 
@@ -90,6 +91,18 @@ std::string applySettings(HdRenderDelegate& delegate, const Options& options, do
         setFirstOffered(delegate, list, {"stf:threads", "threadLimit"}, *options.threads);
         if (*options.threads > 0) {
             WorkSetConcurrencyLimit(unsigned(*options.threads));
+        }
+    }
+    if (options.crop) {
+        const HdRenderSettingDescriptor* setting = findSetting(list, "dataWindowNDC");
+        const auto& c = *options.crop;
+        if (!setting) {
+            return "this renderer has no setting dataWindowNDC: it cannot render a part of the frame";
+        }
+        const VtValue window(GfVec4f(c[0], c[1], c[2], c[3]));
+        delegate.SetRenderSetting(setting->key, window);
+        if (delegate.GetRenderSetting(setting->key) != window) {
+            return "the renderer does not take that part of the frame (--crop)";
         }
     }
     for (const auto& [key, text] : options.settings) {

@@ -22,7 +22,7 @@ struct CoreShape {
     }
     CoreResponse response(const CoreMaterial& m, CoreModel model, std::uint64_t seed = 1) const {
         Progress progress;
-        return CoreResponse(m, {points, triangles, normals, *mesh, samples, 1.0}, model, seed, progress);
+        return CoreResponse(m, {points, triangles, normals, *mesh, samples, 1.0}, model, seed, progress, 600'000);
     }
 };
 
