@@ -306,13 +306,15 @@ std::vector<Rgb> coreRadiance(const ShellCore& core, const ShellObject& o, const
                         startAt(jitterOnSurface(*o.rayMesh, outer, frame.normal, o.blurRadiusMm / o.mmPerUnit, v)),
                         light);
                     if (maxComponent(visible) > 0) {
-                        shine(local, light.irradiance * visible * (picks[p].weight / float(n)));
+                        // A mesh that is a light is met by bounced rays as well: each way has its share.
+                        const float share = bounces ? PlainShader::besideBounced(light, worldNormal, 1) : 1.0f;
+                        shine(local, light.irradiance * visible * (share * picks[p].weight / float(n)));
                     }
                 }
             }
             for (int k = 0; k < bounceSamples; ++k) {
                 PixelSampler sampler(seed + kBounceSeed, i, std::uint32_t(k));
-                const LightSample light = plain.bounced(startAt(outer), worldNormal, sampler);
+                const LightSample light = plain.bounced(startAt(outer), worldNormal, 1, sampler);
                 const Vec3f local = inTile(light.towards);
                 if (local.z > 0 && maxComponent(light.irradiance) > 0) {
                     shine(local, light.irradiance / float(bounceSamples));
