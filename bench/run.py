@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Times of the chain on this machine: light transport (transport.py), shells, frames.
+"""Times of the chain on this machine: light transport (transport.py), frames, camera rays (rays.py).
 
-Usage: run.py [--build FOLDER] [--quick] [--only transport|frames] [--mitsuba-python PYTHON]
+Usage: run.py [--build FOLDER] [--quick] [--only transport|frames|rays] [--mesh MESH] [--mitsuba-python PYTHON]
 
-Prints tables and writes FOLDER/bench/transport.json and results.json. Machines are noisy: compare numbers of one run
-with each other (ratios), not with those of another day.
+Prints tables and writes FOLDER/bench/transport.json, results.json and, where meshes are given, rays.json. Machines are
+noisy: compare numbers of one run with each other (ratios), not with those of another day.
 """
 
 import argparse
@@ -13,6 +13,7 @@ import pathlib
 import subprocess
 import tempfile
 
+import rays
 import transport
 
 
@@ -50,12 +51,15 @@ def frames(build, quick):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     transport.add_options(parser)
-    parser.add_argument("--only", choices=("transport", "frames"))
+    parser.add_argument("--only", choices=("transport", "frames", "rays"))
+    parser.add_argument("--mesh", type=pathlib.Path, action="append", default=[], help="for rays: OBJ, PLY, STL or OFF")
     arguments = parser.parse_args()
-    if arguments.only != "frames":
+    if arguments.only in (None, "transport"):
         transport.main(arguments)
-    if arguments.only != "transport":
+    if arguments.only in (None, "frames"):
         frames(arguments.build.resolve(), arguments.quick)
+    if arguments.mesh and arguments.only in (None, "rays"):
+        rays.measure(arguments.build.resolve(), arguments.mesh)
 
 
 if __name__ == "__main__":

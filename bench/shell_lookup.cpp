@@ -4,14 +4,13 @@
 
 #include "stfLib/base/openvdb_headers.h"
 
-#include "stfLib/acquire/mesh_reader.h"
+#include "bench/bench_parts.h"
 #include "stfLib/base/random.h"
 #include "stfLib/shell/shell_grid_impl.h"
 #include "stfLib/synthesis/choose_mapping.h"
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <ctime>
 #include <nlohmann/json.hpp>
 #if STF_BENCH_NANOVDB
 #include <nanovdb/util/OpenToNanoVDB.h>
@@ -51,23 +50,6 @@ struct Table {
     }
 };
 
-RefinedSurface surfaceOf(const std::string& path) {
-    ControlMesh mesh;
-    mesh.scheme = ControlMesh::Scheme::None;
-    for (const MeshPart& part : readMeshFile(path)) {
-        const int base = int(mesh.points.size());
-        for (const Vec3d& p : part.mesh.points) {
-            mesh.points.push_back(Vec3f(p));
-        }
-        for (const Vec3i& t : part.mesh.triangles) {
-            mesh.faceVertexCounts.push_back(3);
-            mesh.faceVertexIndices.insert(mesh.faceVertexIndices.end(), {base + t.x, base + t.y, base + t.z});
-        }
-    }
-    sanitize(mesh);
-    return refine(mesh, {}, {});
-}
-
 /// Points on rays that enter the shell at random places, a voxel apart; each ray ends where it may have left.
 std::vector<Vec3f> rayPoints(const RefinedSurface& s, const ShellBoundary& b, double voxel, int count, bool scattered) {
     std::vector<Vec3f> points;
@@ -101,18 +83,6 @@ std::vector<Vec3f> rayPoints(const RefinedSurface& s, const ShellBoundary& b, do
     return points;
 }
 
-template<class F>
-double perSecond(std::size_t count, int rounds, const F& f) {
-    double best = 1e300;
-    volatile float keep = 0;
-    for (int r = 0; r < rounds; ++r) {
-        const std::clock_t start = std::clock(); // of the processor: others may be at work
-        keep = keep + f();
-        best = std::min(best, double(std::clock() - start) / CLOCKS_PER_SEC);
-    }
-    return double(count) / best;
-}
-
 nlohmann::ordered_json measure(const ShellGrid& grid, const ShellGridData& data, const Table& table,
                                const std::vector<Vec3f>& points, int rounds, const openvdb::Int32Tree& tree) {
     const ShellLevel& level = data.levels.front();
@@ -142,8 +112,9 @@ nlohmann::ordered_json measure(const ShellGrid& grid, const ShellGridData& data,
         float sum = 0;
         ShellLookup l;
         for (std::size_t i = 0; i < points.size(); ++i) {
+            const bool there = accessor.lookup(points[i], l);
             accessor.prefetch(points[std::min(i + 2, points.size() - 1)]);
-            if (accessor.lookup(points[i], l)) {
+            if (there) {
                 sum +=
                     table.fetch(l.exemplar.x * toTable + 1024, l.exemplar.y * toTable + 1024, l.depth * toLayer + 1024);
             }
@@ -230,7 +201,7 @@ openvdb::Int32Tree treeOf(const ShellLevel& level) {
 
 int run(const Arguments& a) {
     openvdb::initialize();
-    const RefinedSurface surface = surfaceOf(a.mesh);
+    const RefinedSurface surface = refine(meshOf(a.mesh), {}, {});
     const float thickness = float(a.thickness) * surface.bounds.diagonal();
     const ShellBoundary boundary = offsetInward(surface, thickness, {});
     const Table table;

@@ -18,6 +18,8 @@ struct Transform {
     Transform inverse() const;
     /// A normal (covector) goes by the inverse transpose; not normalised.
     Vec3d normal(const Vec3d& n) const;
+    /// The transpose: a normal goes back by it, from where the map leads to. Not normalised.
+    Vec3d transposed(const Vec3d& n) const { return {dot(x, n), dot(y, n), dot(z, n)}; }
     bool operator==(const Transform& t) const {
         return x == t.x && y == t.y && z == t.z && translation == t.translation;
     }

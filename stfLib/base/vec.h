@@ -125,6 +125,10 @@ struct Box3f {
         hi = {std::max(hi.x, p.x), std::max(hi.y, p.y), std::max(hi.z, p.z)};
     }
     bool empty() const { return lo.x > hi.x; }
+    /// Whether both have a point in common, their faces included.
+    bool overlaps(const Box3f& b) const {
+        return lo.x <= b.hi.x && b.lo.x <= hi.x && lo.y <= b.hi.y && b.lo.y <= hi.y && lo.z <= b.hi.z && b.lo.z <= hi.z;
+    }
     float diagonal() const { return empty() ? 0.0f : length(hi - lo); }
 };
 

@@ -109,10 +109,16 @@ Camera Camera::atRest() const {
 }
 
 Ray Camera::ray(double x, double y, const Vec3d& origin) const {
-    const Vec3d near = project(ndcToWorld_, {x, y, -1}), far = project(ndcToWorld_, {x, y, 1});
+    // Of the points at depths -1 and 1, homogeneous, the direction is far / wFar - near / wNear; times both w, of which
+    // that of the far plane may be zero, it is this.
+    const Matrix4& m = ndcToWorld_;
+    const Vec3d along(m[8], m[9], m[10]);
+    const Vec3d near = Vec3d(m[0], m[1], m[2]) * x + Vec3d(m[4], m[5], m[6]) * y + Vec3d(m[12], m[13], m[14]) - along;
+    const double w = x * m[3] + y * m[7] + m[15] - m[11], wFar = w + 2 * m[11];
+    const Vec3d direction = along * w - near * m[11];
     Ray r;
-    r.origin = Vec3f(near - origin);
-    r.direction = Vec3f(normalize(far - near));
+    r.origin = Vec3f(near * (1 / w) - origin);
+    r.direction = Vec3f(normalize(direction)) * (w * wFar < 0 ? -1.0f : 1.0f);
     return r;
 }
 

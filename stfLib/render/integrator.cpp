@@ -10,9 +10,6 @@ namespace stf {
 namespace {
 
 constexpr int kMaxSurfaces = 64; // of transparent shells along one ray
-/// Of other lights on a shell: their visibility is averaged over a disc.
-constexpr int kNearDirections = 2;
-constexpr int kMaxShellLights = kMaxLightsPerPath * kDomeDirections + 1; // one of other surfaces
 
 /// A mirrored path whose throughput is below this takes part in surfaces only with the chance that makes up for it.
 constexpr float kFaint = 0.25f;
@@ -31,12 +28,12 @@ ShellMarch& Integrator::marchOf(const PreparedInstance& instance) {
 int Integrator::lightsOnShell(const PreparedInstance& instance, const Surfel& surfel, bool indirect,
                               PixelSampler& sampler, ShellLight* lights) {
     const ShellObject& shell = *instance.mesh->shell;
-    const Vec3f objectNormal = normalize(Vec3f(instance.worldToObject.normal(Vec3d(surfel.normal))));
+    const Vec3f objectNormal = instance.objectNormal(surfel.normal);
     const float offset = 1e-3f * shell.grid->voxelSize();
 
     int count = 0;
     const auto visible = [&](const Vec3f& point, const LightSample& light) {
-        const Vec3f lifted(instance.objectToWorld.point(Vec3d(point + objectNormal * offset)));
+        const Vec3f lifted = instance.worldPoint(point + objectNormal * offset);
         return rays_.visibility(lifted + surfel.normal * scene_.rounding, light);
     };
     LightPick picks[kMaxLightsPerPath];
@@ -58,18 +55,18 @@ int Integrator::lightsOnShell(const PreparedInstance& instance, const Surfel& su
             const Rgb blurred = moved == surfel.shadowOrigin ? exact : visible(moved, light);
             if (maxComponent(exact) > 0 || maxComponent(blurred) > 0) {
                 ShellLight& s = lights[count++];
-                s.towards = normalize(Vec3f(instance.worldToObject.vector(Vec3d(light.towards))));
+                s.towards = instance.objectDirection(light.towards);
                 s.forSingle = irradiance * exact;
                 s.forMultiple = irradiance * blurred;
             }
         }
     }
     if (indirect) {
-        const Vec3f from(instance.objectToWorld.point(Vec3d(surfel.shadowOrigin + objectNormal * offset)));
+        const Vec3f from = instance.worldPoint(surfel.shadowOrigin + objectNormal * offset);
         const LightSample light =
             plain_.bounced(from + surfel.normal * scene_.rounding, surfel.normal, kNearDirections, sampler);
         if (maxComponent(light.irradiance) > 0) {
-            const Vec3f towards = normalize(Vec3f(instance.worldToObject.vector(Vec3d(light.towards))));
+            const Vec3f towards = instance.objectDirection(light.towards);
             lights[count++] = {towards, light.irradiance, light.irradiance};
         }
     }
@@ -81,7 +78,10 @@ ShellRadiance Integrator::shadeShell(const PreparedInstance& instance, const Sur
     ShellLight lights[kMaxShellLights];
     const int count = lightsOnShell(instance, surfel, indirect, sampler, lights);
     rays_.add(1);
-    return marchOf(instance).march(surfel.objectPoint, surfel.triangle, direction, footprintMm, lights, count, sampler);
+    ShellSpan span;
+    span.stop = instance.overlapped ? obstacle(instance, surfel.objectPoint, direction) : span.stop;
+    return marchOf(instance).march(surfel.objectPoint, surfel.triangle, direction, footprintMm, lights, count, sampler,
+                                   span);
 }
 
 ReliefRadiance Integrator::shadeRelief(const PreparedInstance& instance, const Surfel& surfel, const RayHit& hit,
@@ -90,40 +90,48 @@ ReliefRadiance Integrator::shadeRelief(const PreparedInstance& instance, const S
     ShellLight lights[kMaxShellLights];
     const int count = lightsOnShell(instance, surfel, indirect, sampler, lights);
     rays_.add(1);
-    const ReliefEntry entry{surfel.objectPoint, direction, normalize(smoothNormal(*instance.mesh->surface, hit)),
-                            hit.geometricNormal, surfel.triangle};
+    ReliefEntry entry{surfel.objectPoint,
+                      direction,
+                      normalize(smoothNormal(*instance.mesh->surface, hit)),
+                      hit.geometricNormal,
+                      surfel.triangle,
+                      false,
+                      nullptr};
+    if (instance.overlapped) {
+        entry.obstacle = [&](const Vec3f& p, const Vec3f& d) { return obstacle(instance, p, d); };
+    }
     return marchOf(instance).marchRelief(entry, footprintMm, lights, count, sampler);
 }
 
 Ray Integrator::leaveRelief(const PreparedInstance& instance, const ShellExit& exit) const {
-    const Vec3f outward = normalize(Vec3f(instance.objectToWorld.normal(Vec3d(exit.outward))));
+    const Vec3f outward = instance.worldNormal(exit.outward);
     Ray ray;
-    ray.direction = normalize(Vec3f(instance.objectToWorld.vector(Vec3d(exit.direction))));
-    ray.origin = Vec3f(instance.objectToWorld.point(Vec3d(exit.point))) + outward * scene_.shadowOffset;
+    ray.direction = instance.worldDirection(exit.direction);
+    ray.origin = instance.worldPoint(exit.point) + outward * scene_.shadowOffset;
     return ray;
 }
 
-Ray Integrator::leaveShell(const PreparedInstance& instance, const Surfel& entry, const Vec3f& direction,
+Ray Integrator::leaveShell(const PreparedInstance& instance, const Vec3f& entry, const Vec3f& direction,
                            const ShellRadiance& through, float& share) {
     const RefinedSurface& s = *instance.mesh->surface;
     const RayHit& exit = through.exit;
-    const Vec3f normal = normalize(smoothNormal(s, exit)), point = entry.objectPoint + direction * through.tExit;
+    const Vec3f normal = normalize(smoothNormal(s, exit)), point = entry + direction * through.tExit;
     const float ior = marchOf(instance).iorAt(point, exit.triangle);
     // What is reflected there goes on inside the shell: it is dropped, as are rays that are reflected altogether.
     const SurfaceCrossing out = crossSurface(direction, -normal, -exit.geometricNormal, 1 / ior);
     share = 1 - out.reflectance;
-    const Vec3f worldNormal = normalize(Vec3f(instance.objectToWorld.normal(Vec3d(normal))));
+    const Vec3f worldNormal = instance.worldNormal(normal);
     Ray ray;
-    ray.direction = normalize(Vec3f(instance.objectToWorld.vector(Vec3d(out.refracted))));
-    ray.origin = Vec3f(instance.objectToWorld.point(Vec3d(point))) + worldNormal * scene_.shadowOffset;
+    ray.direction = instance.worldDirection(out.refracted);
+    ray.origin = instance.worldPoint(point) + worldNormal * scene_.shadowOffset;
     return ray;
 }
 
-PixelSample Integrator::sample(const Ray& first, const RayCone& cone, PixelSampler& sampler, float time) {
-    rays_.setTime(time);
+PixelSample Integrator::sample(const Bundle& bundle, int i, const RayCone& cone, PixelSampler& sampler) {
+    rays_.setTime(bundle.time[i]);
     PixelSample out;
     LightPath path;
-    path.ray = first;
+    path.ray = bundle.ray[i];
     Ray& ray = path.ray;
     Rgb& throughput = path.throughput;
     const bool& mirrored = path.mirrored;
@@ -137,9 +145,49 @@ PixelSample Integrator::sample(const Ray& first, const RayCone& cone, PixelSampl
             out.reflection += light;
         }
     };
+    const auto collect = [&](const Rgb& single, const Rgb& multiple, const Rgb& core) {
+        add(single + multiple + core, path.bounced);
+        if (path.seen()) {
+            out.single += single;
+            out.multiple += multiple;
+            out.core += core;
+        }
+    };
+    if (!scene_.aroundCamera.empty()) {
+        if (Rgb core(0.0f); !startWithin(path, core)) {
+            collect(Rgb(0.0f), Rgb(0.0f), core);
+            out.alpha = 1;
+            return out;
+        }
+        out.alpha = 1 - average(throughput);
+    }
+    bool known = path.withinCount == 0; // what the ray meets
     for (int surface = 0; surface < kMaxSurfaces; ++surface) {
-        RayHit hit;
-        const bool met = rays_.intersect(ray, hit);
+        while (path.withinCount > 0 && !path.lightsOnly && !path.met) {
+            const PreparedInstance& around = *path.within[path.withinCount - 1];
+            const Interior r = crossInterior(around, path, cone, sampler);
+            if (r.inside) {
+                collect(throughput * r.single, throughput * r.multiple, throughput * r.core);
+                out.alpha += path.seen() ? average(throughput - throughput * r.through) : 0.0f;
+                throughput *= r.through;
+                if (!(maxComponent(throughput) > 0)) {
+                    return out;
+                }
+                ray = r.onward;
+                path.travelled += r.moved;
+                path.index = r.stopped ? r.index : 1.0f;
+                path.lights = r.stopped ? LightPath::Lights::None : path.lights;
+                if (r.stopped) {
+                    break;
+                }
+                path.passShell();
+            }
+            --path.withinCount;
+        }
+        path.met = false;
+        RayHit hit = bundle.hit[i];
+        const bool met = known ? bundle.met[i] : rays_.intersect(ray, hit);
+        known = false;
         const float tMax = met ? hit.t : std::numeric_limits<float>::infinity();
         if (path.lights == LightPath::Lights::All) {
             add(throughput * scene_.lights.mirrored(ray.origin, ray.direction, tMax), path.bounced);
@@ -172,6 +220,7 @@ PixelSample Integrator::sample(const Ray& first, const RayCone& cone, PixelSampl
         const PreparedInstance& instance = rays_.instance(hit.instance);
         const Surfel surfel = surfelAt(instance, ray, hit);
         const ShellObject* shell = instance.mesh->shell.get();
+        const WayOutGuard wayOut(*this, path, sampler);
         if (!shell) {
             const Rgb before = throughput;
             const bool seen = path.seen(), bounced = path.bounced;
@@ -191,19 +240,21 @@ PixelSample Integrator::sample(const Ray& first, const RayCone& cone, PixelSampl
             ray.tNear = hit.t * (1 + 1e-6f) + scene_.shadowOffset;
             continue;
         }
+        if (path.isWithin(instance)) {
+            ray.tNear = hit.t * (1 + 1e-6f); // something else is met on its very surface
+            path.met = true;
+            continue;
+        }
         const float scale = length(scaled);
         Vec3f direction = scaled / scale;
+        // Shells are lit as in air, also where they lie in another that refracts.
+        const float medium = path.index * path.index;
+        const Rgb inMedium = throughput;
+        throughput *= medium;
+        bool stopped = false;
 
         const float footprint = (cone.at(path.travelled + hit.t) + path.spread * hit.t) * scale * shell->mmPerUnit;
         const bool indirect = scene_.surfacesBounce && path.bounces < scene_.maxDepth;
-        const auto collect = [&](const Rgb& single, const Rgb& multiple, const Rgb& core) {
-            add(single + multiple + core, path.bounced);
-            if (path.seen()) {
-                out.single += single;
-                out.multiple += multiple;
-                out.core += core;
-            }
-        };
         // Two ways lead on: through the shell and off its surface.
         Rgb through(0.0f), reflected(0.0f);
         Ray onward = ray, mirrorRay;
@@ -215,7 +266,8 @@ PixelSample Integrator::sample(const Ray& first, const RayCone& cone, PixelSampl
             out.reflection += path.seen() ? throughput * r.reflection : Rgb(0.0f);
             through = throughput * r.through.weight;
             if (maxComponent(through) > 0) {
-                onward = leaveRelief(instance, r.through);
+                stopped = r.through.stopped;
+                onward = stopped ? goOnWithin(instance, r.through) : leaveRelief(instance, r.through);
                 moved = hit.t + r.through.travelled / scale;
             }
             reflected = throughput * r.mirror.weight;
@@ -241,23 +293,36 @@ PixelSample Integrator::sample(const Ray& first, const RayCone& cone, PixelSampl
                 collect(inner * r.single, inner * r.multiple, inner * r.core);
                 through = throughput * r.transmittance * (1 - in.reflectance); // n^2 is undone where it leaves again
                 onward.tNear = (hit.t + r.tExit / scale) * (1 + 1e-6f) + scene_.shadowOffset;
-                if (refracts && r.throughSurface && dot(direction, r.exit.geometricNormal) > 0 &&
-                    maxComponent(through) > 0) {
+                stopped = r.stopped;
+                if (stopped) {
+                    through = inner * r.transmittance;
+                    if (refracts) {
+                        onward = Ray();
+                        onward.origin = instance.worldPoint(surfel.objectPoint);
+                        onward.direction = instance.worldDirection(direction);
+                        moved = hit.t;
+                    }
+                    onward.tNear = (hit.t - moved + r.tExit / scale) * (1 - 1e-6f) - scene_.rounding;
+                } else if (refracts && r.throughSurface && dot(direction, r.exit.geometricNormal) > 0 &&
+                           maxComponent(through) > 0) {
                     float share = 1;
-                    onward = leaveShell(instance, surfel, direction, r, share);
+                    onward = leaveShell(instance, surfel.objectPoint, direction, r, share);
                     moved = hit.t + r.tExit / scale;
                     through *= share;
                 }
             }
             if (in.reflectance > 0) {
                 reflected = throughput * in.reflectance;
-                mirrorRay.direction = normalize(Vec3f(instance.objectToWorld.vector(Vec3d(in.reflected))));
-                mirrorRay.origin = Vec3f(instance.objectToWorld.point(Vec3d(surfel.shadowOrigin))) +
-                                   surfel.normal * scene_.shadowOffset;
+                mirrorRay.direction = instance.worldDirection(in.reflected);
+                mirrorRay.origin = instance.worldPoint(surfel.shadowOrigin) + surfel.normal * scene_.shadowOffset;
             }
         }
+        if (!stopped) {
+            through /= medium;
+        }
+        reflected /= medium;
         if (path.seen()) {
-            out.alpha += average(throughput - through);
+            out.alpha += average(inMedium - through);
         }
         // Where both bring something, one is taken by its share.
         const float a = maxComponent(through), b = maxComponent(reflected);
@@ -267,6 +332,12 @@ PixelSample Integrator::sample(const Ray& first, const RayCone& cone, PixelSampl
         const bool mirror = b > 0 && (!(a > 0) || sampler.next1d() * (a + b) < b);
         throughput = mirror ? reflected * ((a + b) / b) : through * (a > 0 && b > 0 ? (a + b) / a : 1.0f);
         path.passShell();
+        if (stopped && !mirror) {
+            path.enter(instance);
+            path.index = indexWithin(instance, surfel.objectPoint, surfel.triangle);
+            path.lights = LightPath::Lights::None;
+            path.met = true;
+        }
         if (mirror) {
             path.mirror();
             moved = mirrorMoved;
@@ -278,50 +349,82 @@ PixelSample Integrator::sample(const Ray& first, const RayCone& cone, PixelSampl
     return out;
 }
 
-PixelHit Integrator::firstHit(Ray ray, const Camera& camera) {
-    rays_.setTime(0.5f);
+PixelHit Integrator::firstHit(const Bundle& bundle, int which, const Camera& camera) {
+    rays_.setTime(bundle.time[which]);
     PixelHit out;
-    RayHit hit;
+    Ray ray = bundle.ray[which];
+    RayHit hit = bundle.hit[which];
     for (int surface = 0;; ++surface) {
-        if (surface == kMaxSurfaces || !rays_.intersect(ray, hit)) {
+        if (surface == kMaxSurfaces || !(surface > 0 ? rays_.intersect(ray, hit) : bundle.met[which])) {
             return out;
         }
-        if (!PlainShader::isHole(rays_.instance(hit.instance), ray, hit)) {
+        const PreparedInstance& instance = rays_.instance(hit.instance);
+        if (instance.mesh->shell ? seesShell(instance, ray, hit, camera, out)
+                                 : !PlainShader::isHole(instance, ray, hit)) {
             break;
         }
         ray.tNear = hit.t * (1 + 1e-6f) + scene_.shadowOffset;
     }
     const PreparedInstance& instance = rays_.instance(hit.instance);
-    const Surfel s = surfelAt(instance, ray, hit);
-    const Vec3d p = Vec3d(s.point) + scene_.origin;
-    out.depth = float(0.5 * camera.ndcDepth(p) + 0.5);
-    out.cameraDepth = float(camera.viewDepth(p));
-    out.normal = s.normal;
-    out.neye = camera.viewNormal(s.normal);
-    out.position = Vec3f(p);
-    out.albedo = instance.mesh->shell ? s.albedo : PlainShader::albedo(instance, s, hit);
-    if (const ShellObject* shell = instance.mesh->shell.get()) {
-        // The albedo of the first voxel with material, straight down from where the ray enters.
-        ShellProbe probe(*shell->grid, *shell->surface, shell->pose.get());
-        probe.enter(s.triangle);
-        ShellLookup at;
-        if (probe.lookup(s.objectPoint, at)) {
-            const BaseVolume& v = *shell->volume;
-            const int x = TileTracer::wrap(int(std::floor(at.exemplar.x / float(v.voxelMm.x))), v.size.x);
-            const int y = TileTracer::wrap(int(std::floor(at.exemplar.y / float(v.voxelMm.y))), v.size.y);
-            for (int z = 0; z < v.size.z; ++z) {
-                const std::size_t i = v.index(x, y, z);
-                if (maxComponent(v.extinction[i]) > 0) {
-                    out.albedo = v.albedo[i];
-                    break;
-                }
-            }
-        }
-    }
     out.primId = instance.primId;
     out.instanceId = instance.instanceId;
+    if (instance.mesh->shell) {
+        return out;
+    }
+    const Surfel s = surfelAt(instance, ray, hit);
+    setSeen(s.point, s.normal, camera, out);
+    out.albedo = PlainShader::albedo(instance, s, hit);
     out.elementId = instance.mesh->surface->triangleFace[hit.triangle];
     return out;
+}
+
+void Integrator::setSeen(const Vec3f& point, const Vec3f& normal, const Camera& camera, PixelHit& out) const {
+    const Vec3d p = Vec3d(point) + scene_.origin;
+    out.depth = float(0.5 * camera.ndcDepth(p) + 0.5);
+    out.cameraDepth = float(camera.viewDepth(p));
+    out.normal = normal;
+    out.neye = camera.viewNormal(normal);
+    out.position = Vec3f(p);
+}
+
+bool Integrator::seesShell(const PreparedInstance& instance, const Ray& ray, RayHit& hit, const Camera& camera,
+                           PixelHit& out) {
+    const ShellObject& shell = *instance.mesh->shell;
+    const Vec3f scaled(instance.worldToObject.vector(Vec3d(ray.direction)));
+    if (dot(scaled, hit.geometricNormal) >= 0) {
+        return false; // its inside: nothing is there
+    }
+    const Surfel s = surfelAt(instance, ray, hit);
+    ShellMarch& march = marchOf(instance);
+    ReliefSight sight;
+    if (shell.medium->hasSurface()) {
+        const float scale = length(scaled);
+        const ReliefEntry entry{s.objectPoint,
+                                scaled / scale,
+                                normalize(smoothNormal(*shell.surface, hit)),
+                                hit.geometricNormal,
+                                s.triangle,
+                                false,
+                                nullptr};
+        if (!march.firstSight(entry, sight)) {
+            hit.t += sight.travelled / scale * (1 - 1e-4f); // what is behind comes next
+            return false;
+        }
+        if (sight.travelled > 0) {
+            setSeen(instance.worldPoint(sight.point), instance.worldNormal(sight.normal), camera, out);
+            out.elementId = shell.surface->triangleFace[sight.place.known ? sight.place.at.triangle : s.triangle];
+            out.albedo = sight.place.known ? march.albedoAt(sight.place.at, sight.atMm) : s.albedo;
+            return true;
+        }
+    }
+    setSeen(s.point, s.normal, camera, out);
+    out.elementId = shell.surface->triangleFace[hit.triangle];
+    // Of the first voxel with material, straight down from where the ray enters.
+    ShellProbe probe(*shell.grid, *shell.surface, shell.pose.get());
+    probe.enter(s.triangle);
+    ShellLookup at;
+    out.albedo = probe.lookup(s.objectPoint, at) ? march.albedoAt(at, 0) : s.albedo;
+    return true;
 }
 
 } // namespace stf

@@ -18,14 +18,30 @@ public:
     explicit Integrator(const PreparedScene& scene)
         : scene_(scene), rays_(scene), plain_(scene, rays_), marches_(scene.instances.size()) {}
 
-    /// `cone`: of the pixel, so that shells are read no finer than it sees.
-    /// `time`: of the exposure, 0 to 1; all rays of the path are then.
-    PixelSample sample(const Ray& first, const RayCone& cone, PixelSampler& sampler, float time = 0.5f);
-    /// The first surface along a ray, for the AOVs that are not averaged.
-    PixelHit firstHit(Ray ray, const Camera& camera);
+    /// Camera rays of neighbouring pixels and what they meet first: found together, several times as fast.
+    struct Bundle {
+        Ray ray[kMostTogether];
+        RayHit hit[kMostTogether];
+        bool met[kMostTogether];
+        float time[kMostTogether]; ///< of the exposure, 0 to 1: all rays of the path are then
+        int count = 0;
+    };
+    /// Fills in what the bundle's rays meet.
+    void meet(Bundle& bundle) {
+        rays_.intersectTogether(bundle.ray, bundle.time, bundle.count, bundle.hit, bundle.met);
+    }
+    /// A sample of a pixel along the i-th ray of a bundle. `cone`: of the pixel, so that shells are read no finer than
+    /// it sees.
+    PixelSample sample(const Bundle& bundle, int i, const RayCone& cone, PixelSampler& sampler);
+    /// The first surface along it, for the AOVs that are not averaged.
+    PixelHit firstHit(const Bundle& bundle, int i, const Camera& camera);
     std::uint64_t rays() const { return rays_.count(); }
 
 private:
+    /// Of other lights on a shell: their visibility is averaged over a disc.
+    static constexpr int kNearDirections = 2;
+    static constexpr int kMaxShellLights = kMaxLightsPerPath * kDomeDirections + 1; // one of other surfaces
+
     /// Lights of a path that enters a shell, with their visibility; `lights` has room for kMaxShellLights. `indirect`:
     /// with light from plain surfaces. How many.
     int lightsOnShell(const PreparedInstance& instance, const Surfel& surfel, bool indirect, PixelSampler& sampler,
@@ -34,13 +50,50 @@ private:
     ShellRadiance shadeShell(const PreparedInstance& instance, const Surfel& surfel, const Vec3f& direction,
                              float footprintMm, bool indirect, PixelSampler& sampler);
     /// The ray that leaves a refracting shell at the far side, and the share of light that comes in there.
-    Ray leaveShell(const PreparedInstance& instance, const Surfel& entry, const Vec3f& direction,
+    Ray leaveShell(const PreparedInstance& instance, const Vec3f& entry, const Vec3f& direction,
                    const ShellRadiance& through, float& share);
     /// `hit`: of the limit surface; `direction`: unit, object space, as the ray comes.
     ReliefRadiance shadeRelief(const PreparedInstance& instance, const Surfel& surfel, const RayHit& hit,
                                const Vec3f& direction, float footprintMm, bool indirect, PixelSampler& sampler);
     /// The world ray that goes on where a path has left a shell.
     Ray leaveRelief(const PreparedInstance& instance, const ShellExit& exit) const;
+    /// A path that begins inside a shell (shell_interior.cpp).
+    struct Interior {
+        bool inside = false;  ///< false: it does not
+        bool stopped = false; ///< by what `onward` meets next; else the shell is left
+        Rgb single{0.0f}, multiple{0.0f}, core{0.0f};
+        Rgb through{0.0f}; ///< what is left of the path
+        Ray onward;
+        float moved = 0; ///< from the ray's origin to that of `onward`
+        float index = 1; ///< of refraction where it begins
+    };
+    Interior crossInterior(const PreparedInstance& instance, const LightPath& path, const RayCone& cone,
+                           PixelSampler& sampler);
+    /// Object units from a point of a shell along a unit direction to what else is met in it: the front of another
+    /// shell or any other surface, but nothing beyond the shell's own surface; infinity: nothing.
+    float obstacle(const PreparedInstance& instance, const Vec3f& point, const Vec3f& direction);
+    Ray goOnWithin(const PreparedInstance& instance, const ShellExit& stop) const;
+    /// Finds the shells that a camera ray begins in. False in a core, with the radiance that is seen there.
+    bool startWithin(LightPath& path, Rgb& radiance);
+    /// How light gets to a point (world) inside a shell: what the shell leaves of it on a straight way; moves the point
+    /// out. Refraction is left aside.
+    Rgb lightThrough(const PreparedInstance& instance, Vec3f& origin, LightSample& light, PixelSampler& sampler);
+    /// Sets how light gets to surfaces inside the shells of a path, as long as it lives.
+    class WayOutGuard {
+    public:
+        WayOutGuard(Integrator& integrator, const LightPath& path, PixelSampler& sampler);
+        ~WayOutGuard();
+        WayOutGuard(const WayOutGuard&) = delete;
+        WayOutGuard& operator=(const WayOutGuard&) = delete;
+
+    private:
+        Integrator* integrator_ = nullptr;
+    };
+    float indexWithin(const PreparedInstance& instance, const Vec3f& surfacePoint, std::uint32_t triangle);
+    /// What the AOVs say of a shell that a ray meets: of its relief, where it has one. False where the ray passes
+    /// through; `hit` is then where it goes on.
+    bool seesShell(const PreparedInstance& instance, const Ray& ray, RayHit& hit, const Camera& camera, PixelHit& out);
+    void setSeen(const Vec3f& point, const Vec3f& normal, const Camera& camera, PixelHit& out) const;
     ShellMarch& marchOf(const PreparedInstance& instance);
 
     const PreparedScene& scene_;

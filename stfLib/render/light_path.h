@@ -4,7 +4,11 @@
 #include "stfLib/base/vec.h"
 #include "stfLib/render/camera.h"
 
+#include <algorithm>
+
 namespace stf {
+
+struct PreparedInstance;
 
 /// A path from the camera on its way through a scene, and how its present ray came to be.
 struct LightPath {
@@ -23,6 +27,22 @@ struct LightPath {
     float density = 0;       ///< shared: per solid angle, of the ray's direction
     int domeSamples = 1;     ///< and how often a dome was asked
     Vec3f normal;            ///< and where: of the surface that the ray leaves
+
+    /// Shells that the ray's origin may lie in, those entered last at the end: what is met inside of a shell ends the
+    /// march there, and the rest of the shell comes after it.
+    static constexpr int kMostWithin = 4;
+    const PreparedInstance* within[kMostWithin];
+    int withinCount = 0;
+    float index = 1;  ///< of refraction around the ray's origin
+    bool met = false; ///< the ray only goes on to what it was stopped by
+    bool isWithin(const PreparedInstance& instance) const {
+        return std::find(within, within + withinCount, &instance) != within + withinCount;
+    }
+    void enter(const PreparedInstance& instance) {
+        if (withinCount < kMostWithin) {
+            within[withinCount++] = &instance;
+        }
+    }
 
     /// Whether it still is the camera's own ray, bent at most.
     bool seen() const { return !mirrored && !bounced; }

@@ -50,8 +50,8 @@ PlainShader::Vertex PlainShader::vertexAt(const PreparedInstance& instance, cons
     }
     v.point = surfel.point;
     v.z = dot(surfel.normal, direction) > 0 ? -surfel.normal : surfel.normal;
-    v.origin = Vec3f(instance.objectToWorld.point(Vec3d(surfel.shadowOrigin))) + v.z * scene_.shadowOffset;
-    const Vec3f facet = normalize(Vec3f(instance.objectToWorld.normal(Vec3d(hit.geometricNormal))));
+    v.origin = instance.worldPoint(surfel.shadowOrigin) + v.z * scene_.shadowOffset;
+    const Vec3f facet = instance.worldNormal(hit.geometricNormal);
     v.geometric = dot(facet, direction) > 0 ? -facet : facet;
     if (instance.material && instance.material->hasNormalMap()) {
         const RefinedSurface& s = *instance.mesh->surface;

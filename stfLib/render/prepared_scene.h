@@ -26,7 +26,18 @@ struct PreparedInstance {
     std::uint32_t index = 0;                       ///< in the scene
     std::shared_ptr<const PlainMaterial> material; ///< of a plain surface; null: its displayColor
     std::int32_t primId = -1, instanceId = -1;
-    std::vector<Rgb> core; ///< radiance leaving the core, per sample of the shell's grid; empty for a black one
+    Box3f bounds;            ///< world
+    bool overlapped = false; ///< another instance's bounds overlap: its surfaces may lie inside this shell
+    std::vector<Rgb> core;   ///< radiance leaving the core, per sample of the shell's grid; empty for a black one
+
+    /// A normal of object space in the world, unit: what a map does to normals is the transpose of its inverse.
+    Vec3f worldNormal(const Vec3f& n) const { return normalize(Vec3f(worldToObject.transposed(Vec3d(n)))); }
+    /// And the other way.
+    Vec3f objectNormal(const Vec3f& n) const { return normalize(Vec3f(objectToWorld.transposed(Vec3d(n)))); }
+    Vec3f worldPoint(const Vec3f& p) const { return Vec3f(objectToWorld.point(Vec3d(p))); }
+    /// A direction of object space, unit.
+    Vec3f worldDirection(const Vec3f& d) const { return normalize(Vec3f(objectToWorld.vector(Vec3d(d)))); }
+    Vec3f objectDirection(const Vec3f& d) const { return normalize(Vec3f(worldToObject.vector(Vec3d(d)))); }
 };
 
 /// Everything a camera ray meets. Immutable while a pass runs.
@@ -39,10 +50,11 @@ struct PreparedScene {
     float rounding = 0;         ///< world units: what a position may be off by its representation
     Rgb clearColor{0.0f};
     float clearAlpha = 0;
-    bool clearSurfaces = false;  ///< some surface is not opaque: shadow rays have to look at what they meet
-    bool surfacesBounce = false; ///< some plain surface sends light on
-    int maxDepth = 0;            ///< bounces off plain surfaces along a path
-    float indirectClamp = 0;     ///< most of light that a bounced path brings, its largest channel; 0: no limit
+    std::vector<std::uint32_t> aroundCamera; ///< instances of shells that the camera may be in
+    bool clearSurfaces = false;              ///< some surface is not opaque: shadow rays have to look at what they meet
+    bool surfacesBounce = false;             ///< some plain surface sends light on
+    int maxDepth = 0;                        ///< bounces off plain surfaces along a path
+    float indirectClamp = 0; ///< most of light that a bounced path brings, its largest channel; 0: no limit
 };
 
 } // namespace stf

@@ -105,6 +105,16 @@ bool ReliefMarch::start(const ReliefEntry& entry, Path& path) {
     return !tile_.insideRelief(top) || meet(path, entry.normal, normalize(entry.facet), tile_.iorAt(top));
 }
 
+void ReliefMarch::startWithin(const ReliefEntry& entry, Path& path) {
+    path.origin = entry.point;
+    path.direction = entry.direction;
+    splits_ = false;
+    if (path.place.find(probe_, entry.point, core_, level_)) {
+        path.place.known = path.bent = true;
+        path.inside = tile_.insideRelief(path.place.tilePosition(entry.point, perMm_, object_.mmPerUnit));
+    }
+}
+
 // Piece by piece along a straight way until it meets the relief.
 ReliefMarch::Leg ReliefMarch::walkStraight(Path& path, float tEnd, ReliefMeeting& met) {
     const float mmPerUnit = object_.mmPerUnit;
@@ -158,7 +168,7 @@ ReliefMarch::Leg ReliefMarch::walkStraight(Path& path, float tEnd, ReliefMeeting
     return Leg::Bounded;
 }
 
-ShellExit ReliefMarch::follow(Path path, Rgb& core) {
+ShellExit ReliefMarch::follow(Path path, const ReliefObstacle& obstacle, Rgb& core) {
     const ShellObject& o = object_;
     ShellExit exit;
     for (;;) {
@@ -169,7 +179,7 @@ ShellExit ReliefMarch::follow(Path path, Rgb& core) {
         RayHit hit;
         const bool bounded = o.rayMesh->intersect(ray, hit, 3), top = bounded && hit.geometry == 0;
         const auto leave = [&](const Vec3f& point, const Vec3f& outward) {
-            exit = {tile_.transmittance(), point, outward, path.direction, path.travelled};
+            exit = {tile_.transmittance(), point, outward, path.direction, path.travelled, false};
         };
         if (top && !(dot(path.direction, hit.geometricNormal) > 0)) {
             // A surface that is met from outside: rounding has put the path out of the shell already.
@@ -177,7 +187,8 @@ ShellExit ReliefMarch::follow(Path path, Rgb& core) {
             return exit;
         }
         // An open surface has no other side.
-        const float tEnd = bounded ? hit.t : 4 * o.thicknessMm / o.mmPerUnit;
+        const float tBound = bounded ? hit.t : 4 * o.thicknessMm / o.mmPerUnit;
+        const float tEnd = obstacle ? std::min(tBound, obstacle(path.origin, path.direction)) : tBound;
         ReliefMeeting met;
         const Leg leg = walkStraight(path, tEnd, met);
         if (leg == Leg::Ended) {
@@ -192,6 +203,11 @@ ShellExit ReliefMarch::follow(Path path, Rgb& core) {
         }
         path.travelled += tEnd;
         path.origin += path.direction * tEnd;
+        if (tEnd < tBound) {
+            leave(path.origin, path.place.at.normal);
+            exit.stopped = true;
+            return exit;
+        }
         if (!bounded) {
             leave(path.origin, path.direction);
             return exit;
@@ -240,12 +256,57 @@ ShellExit ReliefMarch::follow(Path path, Rgb& core) {
     }
 }
 
+bool ReliefMarch::firstSight(const ReliefEntry& entry, ReliefSight& out) {
+    const float mmPerUnit = object_.mmPerUnit, middle = 0.5f * step_;
+    Path path;
+    path.origin = entry.point;
+    path.direction = entry.direction;
+    probe_.enter(entry.triangle);
+    if (path.place.find(probe_, entry.point + entry.direction * middle, core_, level_)) {
+        path.place.known = path.bent = true;
+        path.place.enterHere(entry.direction, middle, step_, mmPerUnit);
+        Vec3f top = path.place.tilePosition(entry.point, perMm_, mmPerUnit);
+        top.z = 0;
+        if (tile_.insideRelief(top)) {
+            out = {entry.point, entry.normal, path.place, 0, 0};
+            return true;
+        }
+    }
+    Ray ray;
+    ray.origin = entry.point;
+    ray.direction = entry.direction;
+    ray.tNear = 1e-3f * object_.grid->voxelSize();
+    RayHit hit;
+    const bool bounded = object_.rayMesh->intersect(ray, hit, 3);
+    const float tEnd = bounded ? hit.t : 4 * object_.thicknessMm / mmPerUnit;
+    ReliefMeeting met;
+    const Leg leg = walkStraight(path, tEnd, met);
+    const bool relief = leg == Leg::Met || path.inside; // or it lies under a sliver that the grid does not hold
+    const bool core = !relief && bounded && hit.geometry == 1;
+    out.travelled = relief ? path.travelled : tEnd;
+    out.point = entry.point + entry.direction * out.travelled;
+    out.place = path.place;
+    out.normal = entry.normal;
+    if (path.place.known) {
+        out.normal = leg == Leg::Met ? path.place.normalOf(met.normal, mmPerUnit) : path.place.at.normal;
+        out.place.carry(out.point - out.place.point, 1, mmPerUnit);
+        out.atMm = out.place.at.depth;
+    }
+    return relief || core;
+}
+
 ReliefRadiance ReliefMarch::march(const ReliefEntry& entry) {
     ReliefRadiance out;
     Path path;
     probe_.enter(entry.triangle);
-    if (start(entry, path)) {
-        out.through = follow(path, out.core);
+    bool goesOn = true;
+    if (entry.within) {
+        startWithin(entry, path);
+    } else {
+        goesOn = start(entry, path);
+    }
+    if (goesOn) {
+        out.through = follow(path, entry.obstacle, out.core);
         const TileRadiance seen = tile_.finish();
         out.single = seen.single;
         out.multiple = seen.multiple;
@@ -256,9 +317,9 @@ ReliefRadiance ReliefMarch::march(const ReliefEntry& entry) {
         Rgb core(0.0f);
         if (mirror_.onTop && !mirror_.onCore) {
             // The limit surface itself mirrors: outside of the shell.
-            out.mirror = {mirrorWeight_, mirror_.origin, normalize(entry.facet), mirror_.direction, 0};
+            out.mirror = {mirrorWeight_, mirror_.origin, normalize(entry.facet), mirror_.direction, 0, false};
         } else {
-            out.mirror = follow(mirror_, core);
+            out.mirror = follow(mirror_, entry.obstacle, core);
             const TileRadiance seen = tile_.finish();
             out.reflection = seen.single + seen.multiple + core;
         }

@@ -4,15 +4,18 @@
 #include "stfLib/render/shell_object.h"
 #include "stfLib/render/shell_place.h"
 
+#include <functional>
+
 namespace stf {
 
 /// Where a camera path leaves a shell.
 struct ShellExit {
-    Rgb weight{0.0f};    ///< by which what is seen there counts; zero: nothing leaves
-    Vec3f point;         ///< object space
-    Vec3f outward;       ///< unit, away from the shell
-    Vec3f direction;     ///< unit, object space
-    float travelled = 0; ///< object units, inside the shell
+    Rgb weight{0.0f};     ///< by which what is seen there counts; zero: nothing leaves
+    Vec3f point;          ///< object space
+    Vec3f outward;        ///< unit, away from the shell
+    Vec3f direction;      ///< unit, object space
+    float travelled = 0;  ///< object units, inside the shell
+    bool stopped = false; ///< the path is still in the shell: something else is met there
 };
 
 /// What a camera ray sees in a shell whose relief refracts, outside radiance: Fresnel's factors and n^2 are in it.
@@ -23,12 +26,26 @@ struct ReliefRadiance {
     ShellExit mirror;     ///< that of what the first interface mirrors
 };
 
+/// How far a way of object space, from an origin along a unit direction, goes until something else is met in the shell.
+using ReliefObstacle = std::function<float(const Vec3f& origin, const Vec3f& direction)>;
+
 /// Where a camera ray enters, object space.
 struct ReliefEntry {
     Vec3f point;         ///< on the limit surface
     Vec3f direction;     ///< unit, inward
     Vec3f normal, facet; ///< outward, of the smooth surface (unit) and of its triangle (any length)
     std::uint32_t triangle = 0;
+    bool within = false;               ///< it starts inside the shell; radiance over n^2 counts where that is material
+    ReliefObstacle obstacle = nullptr; ///< null: there is nothing else in the shell
+};
+
+/// What a straight way through a shell meets first: the relief, the limit surface where the relief reaches it, or the
+/// inner boundary.
+struct ReliefSight {
+    Vec3f point, normal; ///< object space; unit, outward
+    ShellPlace place;    ///< there
+    float atMm = 0;      ///< depth in the sample from which on there is material
+    float travelled = 0; ///< object units from the entry; where nothing is met, to where the shell is left
 };
 
 /// Follows one camera ray through a shell with a refracting relief: straight to the relief's surface, where it is
@@ -42,6 +59,8 @@ public:
     ReliefMarch(const ShellObject& object, ShellProbe& probe, TileMarch& tile, const Rgb* core, int level,
                 const ShellLight* lights, int lightCount, PixelSampler& sampler);
     ReliefRadiance march(const ReliefEntry& entry);
+    /// Without light. False where the way leads out again.
+    bool firstSight(const ReliefEntry& entry, ReliefSight& out);
 
 private:
     /// A path at some point of the shell, from where it goes on.
@@ -59,7 +78,8 @@ private:
     enum class Leg { Met, Bounded, Ended };
 
     bool start(const ReliefEntry& entry, Path& path);
-    ShellExit follow(Path path, Rgb& core);
+    void startWithin(const ReliefEntry& entry, Path& path);
+    ShellExit follow(Path path, const ReliefObstacle& obstacle, Rgb& core);
     Leg walkStraight(Path& path, float tEnd, ReliefMeeting& met);
     bool meet(Path& path, const Vec3f& normal, const Vec3f& facet, float ior);
     bool survives(Path& path);

@@ -5,6 +5,7 @@
 #include "stfLib/render/adaptive_sampling.h"
 #include "stfLib/render/core_light.h"
 #include "stfLib/render/denoiser.h"
+#include "stfLib/render/instance_bounds.h"
 #include "stfLib/render/integrator.h"
 #include "stfLib/render/pixel_filter.h"
 #include "stfLib/render/shell_builder.h"
@@ -13,6 +14,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <optional>
 #include <set>
 
 namespace stf {
@@ -22,6 +24,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr int kTile = 16;                              // pixels
 constexpr std::size_t kMostEmitterTriangles = 8000000; // eight bytes each
+constexpr int kBlock = 4;                              // pixels, of rays that are traced together
+static_assert(kBlock * kBlock == kMostTogether && kTile % kBlock == 0);
 
 double since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
@@ -78,6 +82,7 @@ struct Renderer::Impl {
                                              [](const PreparedInstance& i) { return !i.motion.empty(); });
     }
     std::shared_ptr<const PlainMaterial> materialOf(const SceneMesh& mesh, const Scene& source);
+    void sampleBlock(Integrator& integrator, int x0, int y0, std::uint32_t pass, const RayCone& cone, bool motion);
     void restartSampling() {
         adaptive.restart(film.width(), film.height());
         passDone.assign(std::size_t(film.width()) * std::size_t(film.height()), 0);
@@ -365,6 +370,7 @@ void Renderer::Impl::placeInstances(const Scene& source) {
             scene->instances.push_back(std::move(p));
         }
     }
+    findOverlaps(scene->instances);
     scene->rays = std::make_unique<const RayScene>(rays);
     const Box3f box = scene->rays->bounds();
     const float farthest = box.empty() ? 1.0f
@@ -515,6 +521,58 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
     s.preparedVersion = source.version();
 }
 
+// A pass over neighbouring pixels, whose camera rays are traced together.
+void Renderer::Impl::sampleBlock(Integrator& integrator, int x0, int y0, std::uint32_t pass, const RayCone& cone,
+                                 bool motion) {
+    const int width = film.width(), height = film.height();
+    const bool lens = camera.optics().lens.blurs();
+    const auto ndc = [&](double x, double y) {
+        return Vec2d(2 * (x + window.x) / window.frameWidth - 1, 2 * (y + window.y) / window.frameHeight - 1);
+    };
+    struct Pixel {
+        int x, y;
+    } pixels[kMostTogether];
+    std::optional<PixelSampler> samplers[kMostTogether];
+    Integrator::Bundle middles, bundle;
+    for (int y = y0; y < std::min(y0 + kBlock, height); ++y) {
+        for (int x = x0; x < std::min(x0 + kBlock, width); ++x) {
+            std::uint32_t& done = passDone[std::size_t(y) * std::size_t(width) + std::size_t(x)];
+            if (done > pass || !adaptive.active(x, y)) {
+                continue; // done before this pass was interrupted, or good enough
+            }
+            if (pass == 0) {
+                const Vec2d at = ndc(x + 0.5, y + 0.5);
+                middles.time[middles.count] = 0.5f;
+                middles.ray[middles.count++] = camera.ray(at.x, at.y, scene->origin);
+            }
+            PixelSampler& sampler =
+                samplers[bundle.count].emplace(settings.seed, pixelNumber(x, y), film.sampleCount(x, y));
+            const Vec2f u = sampler.next2d();
+            const Vec2d at = ndc(x + 0.5 + double(filter.offset(u.x)), y + 0.5 + double(filter.offset(u.y)));
+            // Numbers are drawn only for what blurs: the others stay what they are without it.
+            float time = 0.5f;
+            if (lens || motion) {
+                const Vec2d onLens = lens ? onUnitDisc(sampler.next2d()) : Vec2d();
+                time = motion ? sampler.next1d() : 0.5f;
+                bundle.ray[bundle.count] = camera.ray(at.x, at.y, scene->origin, onLens, time);
+            } else {
+                bundle.ray[bundle.count] = camera.ray(at.x, at.y, scene->origin);
+            }
+            bundle.time[bundle.count] = time;
+            pixels[bundle.count++] = {x, y};
+            done = pass + 1;
+        }
+    }
+    integrator.meet(middles);
+    for (int i = 0; i < middles.count; ++i) {
+        film.setHit(pixels[i].x, pixels[i].y, integrator.firstHit(middles, i, camera));
+    }
+    integrator.meet(bundle);
+    for (int i = 0; i < bundle.count; ++i) {
+        film.add(pixels[i].x, pixels[i].y, integrator.sample(bundle, i, cone, *samplers[i]));
+    }
+}
+
 void Renderer::restart() {
     impl_->film.clear();
     impl_->restartSampling();
@@ -534,11 +592,15 @@ bool Renderer::renderPass(Progress& progress) {
     s.scene->clearAlpha = s.clearAlpha;
     s.scene->maxDepth = s.settings.maxDepth;
     s.scene->indirectClamp = s.settings.indirectClamp;
-    const auto start = Clock::now();
+    Box3f start; // of camera rays, twice as wide as the picture
+    for (const Vec2d& corner : {Vec2d{-2, -2}, Vec2d{2, -2}, Vec2d{-2, 2}, Vec2d{2, 2}}) {
+        start.add(s.camera.ray(corner.x, corner.y, s.scene->origin).origin);
+    }
+    s.scene->aroundCamera = shellsAround(s.scene->instances, start);
+    const auto startTime = Clock::now();
     const int width = s.film.width(), height = s.film.height();
     const int tilesX = (width + kTile - 1) / kTile, tilesY = (height + kTile - 1) / kTile;
     const std::uint32_t pass = std::uint32_t(s.passes);
-    const bool lens = s.camera.optics().lens.blurs();
     const bool motion = s.blursMotion();
     s.film.setDenoised({});
     s.adaptive.beforePass(s.film, pass, double(s.settings.errorTarget));
@@ -547,46 +609,21 @@ bool Renderer::renderPass(Progress& progress) {
         for (std::size_t tile = begin; tile < end && !progress.cancelled(); ++tile) {
             Integrator integrator(*s.scene);
             const int x0 = int(tile) % tilesX * kTile, y0 = int(tile) / tilesX * kTile;
-            for (int y = y0; y < std::min(y0 + kTile, height); ++y) {
-                for (int x = x0; x < std::min(x0 + kTile, width); ++x) {
-                    std::uint32_t& done = s.passDone[std::size_t(y) * std::size_t(width) + std::size_t(x)];
-                    if (done > pass || !s.adaptive.active(x, y)) {
-                        continue; // done before this pass was interrupted, or good enough
-                    }
-                    const auto ndc = [&](double px, double py) {
-                        return Vec2d(2 * (px + s.window.x) / s.window.frameWidth - 1,
-                                     2 * (py + s.window.y) / s.window.frameHeight - 1);
-                    };
-                    const Vec2d middle = ndc(x + 0.5, y + 0.5);
-                    if (pass == 0) {
-                        const Ray through = s.camera.ray(middle.x, middle.y, s.scene->origin);
-                        s.film.setHit(x, y, integrator.firstHit(through, s.camera));
-                    }
-                    PixelSampler sampler(s.settings.seed, s.pixelNumber(x, y), s.film.sampleCount(x, y));
-                    const Vec2f u = sampler.next2d();
-                    const Vec2d at =
-                        ndc(x + 0.5 + double(s.filter.offset(u.x)), y + 0.5 + double(s.filter.offset(u.y)));
-                    // Numbers are drawn only for what blurs: the others stay what they are without it.
-                    float time = 0.5f;
-                    Ray ray;
-                    if (lens || motion) {
-                        const Vec2d onLens = lens ? onUnitDisc(sampler.next2d()) : Vec2d();
-                        time = motion ? sampler.next1d() : 0.5f;
-                        ray = s.camera.ray(at.x, at.y, s.scene->origin, onLens, time);
-                    } else {
-                        ray = s.camera.ray(at.x, at.y, s.scene->origin);
-                    }
-                    const RayCone cone = s.camera.cone(middle.x, middle.y, 2.0 / s.window.frameWidth,
-                                                       2.0 / s.window.frameHeight, s.settings.samples);
-                    s.film.add(x, y, integrator.sample(ray, cone, sampler, time));
-                    done = pass + 1;
+            // Of the pixel in the tile's middle: it hardly changes within.
+            const RayCone cone =
+                s.camera.cone(2 * (x0 + 0.5 * kTile + s.window.x) / s.window.frameWidth - 1,
+                              2 * (y0 + 0.5 * kTile + s.window.y) / s.window.frameHeight - 1, 2.0 / s.window.frameWidth,
+                              2.0 / s.window.frameHeight, s.settings.samples);
+            for (int y = y0; y < y0 + kTile; y += kBlock) {
+                for (int x = x0; x < x0 + kTile; x += kBlock) {
+                    s.sampleBlock(integrator, x, y, pass, cone, motion);
                 }
             }
             rays += integrator.rays();
         }
     });
     s.stats.rays += rays;
-    s.stats.renderSeconds += since(start);
+    s.stats.renderSeconds += since(startTime);
     if (progress.cancelled()) {
         return false;
     }

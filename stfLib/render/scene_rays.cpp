@@ -13,6 +13,9 @@ Rgb SceneRays::visibility(const Vec3f& origin, const LightSample& light) {
     if (!light.shadows) {
         return Rgb(1.0f);
     }
+    if (wayOut_) {
+        return fromWithin(origin, light);
+    }
     const Ray ray = shadowRay(origin, light);
     if (scene_.clearSurfaces) {
         return throughSurfaces(ray);
@@ -30,6 +33,7 @@ const PreparedInstance& SceneRays::moved(const PreparedInstance& placed) {
         m.instance.primId = placed.primId;
         m.instance.instanceId = placed.instanceId;
         m.instance.index = placed.index;
+        m.instance.overlapped = placed.overlapped;
     }
     if (m.timeVersion != timeVersion_) {
         m.timeVersion = timeVersion_;
@@ -37,6 +41,17 @@ const PreparedInstance& SceneRays::moved(const PreparedInstance& placed) {
         m.instance.worldToObject = m.instance.objectToWorld.inverse();
     }
     return m.instance;
+}
+
+Rgb SceneRays::fromWithin(Vec3f origin, LightSample light) {
+    WayOut wayOut;
+    wayOut.swap(wayOut_); // beyond there is none
+    Rgb left = wayOut(origin, light);
+    if (maxComponent(left) > 0) {
+        left *= visibility(origin, light);
+    }
+    wayOut.swap(wayOut_);
+    return left;
 }
 
 Rgb SceneRays::throughSurfaces(Ray ray) {

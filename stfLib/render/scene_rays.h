@@ -4,6 +4,7 @@
 #include "stfLib/base/sampler.h"
 #include "stfLib/render/prepared_scene.h"
 
+#include <functional>
 #include <unordered_map>
 
 namespace stf {
@@ -31,6 +32,15 @@ public:
         const PreparedInstance& placed = scene_.instances[index];
         return placed.motion.empty() ? placed : moved(placed);
     }
+    /// Nearest hits of up to kMostTogether rays of neighbouring pixels.
+    void intersectTogether(const Ray* rays, const float* times, int count, RayHit* hits, bool* met) {
+        count_ += std::uint64_t(count);
+        scene_.rays->intersectTogether(rays, times, count, hits, met);
+    }
+    /// How light gets out of shells that points lie in: moves the origin (world) there, gives what is left.
+    using WayOut = std::function<Rgb(Vec3f& origin, LightSample& light)>;
+    /// For the points asked for from now on; null: they lie in no shell.
+    void setWayOut(WayOut wayOut) { wayOut_ = std::move(wayOut); }
     /// The share of a light that arrives at a point (world): 0 or 1, but for surfaces that are not opaque.
     Rgb visibility(const Vec3f& origin, const LightSample& light);
     /// At most kMaxLightsPerPath of the lights, with their weights; returns how many.
@@ -45,9 +55,11 @@ private:
         std::uint64_t timeVersion = 0;
     };
     Rgb throughSurfaces(Ray ray);
+    Rgb fromWithin(Vec3f origin, LightSample light);
     const PreparedInstance& moved(const PreparedInstance& placed);
 
     const PreparedScene& scene_;
+    WayOut wayOut_;
     std::uint64_t count_ = 0;
     float time_ = 0.5f;
     std::uint64_t timeVersion_ = 1;

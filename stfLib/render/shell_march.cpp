@@ -43,6 +43,106 @@ float ShellMarch::iorAt(const Vec3f& point, std::uint32_t triangle) {
     return object_.medium->ior(topOfTile(object_, at.exemplar));
 }
 
+bool ShellMarch::firstSight(const ReliefEntry& entry, ReliefSight& out) {
+    PixelSampler sampler(0, 0, 0); // nothing depends on it
+    tiles_.front().begin(sampler, TileMarch::Shift::None);
+    return ReliefMarch(object_, probe_, tiles_.front(), nullptr, 0, nullptr, 0, sampler).firstSight(entry, out);
+}
+
+Rgb ShellMarch::albedoAt(const ShellLookup& at, float fromMm) const {
+    const BaseVolume& v = *object_.volume;
+    const auto column = [&](float x, float y) {
+        return Vec2f(float(TileTracer::wrap(int(std::floor(x)), v.size.x)),
+                     float(TileTracer::wrap(int(std::floor(y)), v.size.y)));
+    };
+    const Vec3f top = topOfTile(object_, at.exemplar);
+    const Vec2f own = column(top.x, top.y);
+    const int first = std::clamp(int(std::floor(fromMm / float(v.voxelMm.z))), 0, v.size.z - 1);
+    if (object_.blend && !object_.mixers.empty() && object_.mixers.front()) {
+        const Vec3d& mm = v.voxelMm;
+        const BlendPlace place = blendAt(at, {float(1 / mm.x), float(1 / mm.y), float(1 / mm.z)});
+        std::array<std::size_t, 3> columns{};
+        for (std::size_t i = 0; i < 3; ++i) {
+            const Vec2f p =
+                i == 0 ? own
+                       : column(place.origin[i - 1].x + place.alongX[i - 1].x * top.x + place.alongY[i - 1].x * top.y,
+                                place.origin[i - 1].y + place.alongX[i - 1].y * top.x + place.alongY[i - 1].y * top.y);
+            columns[i] = std::size_t(p.x) + std::size_t(v.size.x) * std::size_t(p.y);
+        }
+        const TileMedium::Voxel m = object_.mixers.front()->voxel(columns, place, first);
+        Rgb albedo(0.0f);
+        for (int c = 0; c < 3; ++c) {
+            // Extinction is that of the scaled medium: less what is scattered straight on.
+            const float extinction = m.extinction[c] + m.scattering[c] * (1 - m.keep);
+            albedo[c] = extinction > 0 ? m.scattering[c] / extinction : 0.0f;
+        }
+        return albedo;
+    }
+    for (int z = first; z < v.size.z; ++z) {
+        const std::size_t i = v.index(int(own.x), int(own.y), z);
+        if (maxComponent(v.extinction[i]) > 0) {
+            return v.albedo[i];
+        }
+    }
+    return Rgb(0.0f);
+}
+
+bool ShellMarch::holds(const Vec3f& point, const Vec3f& direction, ShellLookup& at) {
+    Ray ray;
+    ray.origin = point;
+    ray.direction = direction;
+    RayHit hit;
+    if (!object_.rayMesh->intersect(ray, hit, 3)) {
+        return false;
+    }
+    // From between the two a ray leaves through the surface or goes into the core.
+    const float out = dot(direction, hit.geometricNormal);
+    if (hit.geometry == 0 ? !(out > 0) : !(out < 0)) {
+        return false;
+    }
+    probe_.enter(hit.triangle);
+    const float slack = 0.5f * object_.grid->voxelSize() * object_.mmPerUnit;
+    return probe_.lookup(point, at) && at.depth > -slack && at.depth < object_.thicknessMm + slack;
+}
+
+bool ShellMarch::coreHolds(const Vec3f& point, const Vec3f& direction, Rgb& radiance) {
+    Ray ray;
+    ray.origin = point;
+    ray.direction = direction;
+    RayHit hit;
+    if (object_.grid->report().rimEdges > 0 || !object_.rayMesh->intersect(ray, hit, 3) || hit.geometry != 1 ||
+        !(dot(direction, hit.geometricNormal) > 0)) {
+        return false;
+    }
+    ShellLookup at;
+    probe_.enter(hit.triangle);
+    radiance = Rgb(0.0f);
+    if (probe_.lookup(point + direction * hit.t, at, core_)) {
+        Vec3f below = topOfTile(object_, at.exemplar);
+        below.z = float(object_.medium->size().z) - 0.5f;
+        const float ior = object_.medium->refracts() ? object_.medium->ior(below) : 1.0f; // which the core has too
+        radiance = at.coreRadiance / (ior * ior);
+    }
+    return true;
+}
+
+float ShellMarch::iorWithin(const Vec3f& point, const ShellLookup& at) const {
+    const TileMedium& medium = *object_.medium;
+    if (!medium.refracts()) {
+        return 1;
+    }
+    if (!medium.hasSurface()) {
+        return medium.ior(topOfTile(object_, at.exemplar));
+    }
+    ShellPlace place;
+    place.at = at;
+    place.point = point;
+    const Vec3d& mm = medium.voxelMm();
+    Vec3f p = place.tilePosition(point, {float(1 / mm.x), float(1 / mm.y), float(1 / mm.z)}, object_.mmPerUnit);
+    p.z = std::clamp(p.z, 0.0f, float(medium.size().z));
+    return medium.surface().inside(p) ? medium.ior(p) : 1.0f;
+}
+
 ReliefRadiance ShellMarch::marchRelief(const ReliefEntry& entry, float footprintMm, const ShellLight* lights,
                                        int lightCount, PixelSampler& sampler) {
     TileMarch& tile = tiles_.front(); // a relief has no coarser levels
@@ -52,7 +152,8 @@ ReliefRadiance ShellMarch::marchRelief(const ReliefEntry& entry, float footprint
 }
 
 ShellRadiance ShellMarch::march(const Vec3f& entry, std::uint32_t triangle, const Vec3f& direction, float footprintMm,
-                                const ShellLight* lights, int lightCount, PixelSampler& sampler) {
+                                const ShellLight* lights, int lightCount, PixelSampler& sampler,
+                                const ShellSpan& span) {
     const ShellObject& o = object_;
     // Nothing is drawn where there is nothing to choose.
     const bool choose = tiles_.size() > 1 && footprintMm > 0;
@@ -71,11 +172,13 @@ ShellRadiance ShellMarch::march(const Vec3f& entry, std::uint32_t triangle, cons
     Ray ray;
     ray.origin = entry;
     ray.direction = direction;
-    ray.tNear = 1e-3f * o.grid->voxelSize();
+    ray.tNear = span.fromWithin ? 0.0f : 1e-3f * o.grid->voxelSize();
     const bool bounded = o.rayMesh->intersect(ray, result.exit, 3);
-    const float tEnd = bounded ? result.exit.t : 4 * o.thicknessMm / o.mmPerUnit; // an open surface has no other side
+    const float tBound = bounded ? result.exit.t : 4 * o.thicknessMm / o.mmPerUnit; // an open surface has no other side
+    const float tEnd = std::min(tBound, span.stop);
     result.tExit = tEnd;
-    result.throughSurface = bounded && result.exit.geometry == 0;
+    result.stopped = span.stop < tBound;
+    result.throughSurface = bounded && result.exit.geometry == 0 && !result.stopped;
 
     ShellPlace place;
     bool goesOn = true;
@@ -83,7 +186,7 @@ ShellRadiance ShellMarch::march(const Vec3f& entry, std::uint32_t triangle, cons
         const float t1 = std::min(t0 + step, tEnd), middle = 0.5f * (t0 + t1);
         const Vec3f point = entry + direction * middle;
         if (place.find(probe_, point, core_, level)) {
-            if (!place.known && t0 == 0) {
+            if (!place.known && t0 == 0 && !span.fromWithin) {
                 place.enterHere(direction, middle, step, o.mmPerUnit);
             }
             place.known = true;
@@ -106,7 +209,7 @@ ShellRadiance ShellMarch::march(const Vec3f& entry, std::uint32_t triangle, cons
     result.single = collected.single;
     result.multiple = collected.multiple;
     result.transmittance = tile.transmittance();
-    if (goesOn && bounded && !result.throughSurface) {
+    if (goesOn && bounded && !result.throughSurface && !result.stopped) {
         result.reachedCore = true;
         if (place.known && !o.coreBlack) {
             result.core = result.transmittance * place.at.coreRadiance;

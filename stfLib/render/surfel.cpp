@@ -44,7 +44,7 @@ Surfel surfelAt(const PreparedInstance& instance, const Ray& ray, const RayHit& 
     Surfel out;
     out.triangle = hit.triangle;
     out.point = ray.origin + ray.direction * hit.t;
-    out.normal = normalize(Vec3f(instance.objectToWorld.normal(Vec3d(smoothNormal(s, hit)))));
+    out.normal = instance.worldNormal(smoothNormal(s, hit));
     out.objectPoint = p;
     out.shadowOrigin = lifted;
     out.albedo = s.colors.empty() ? kDefaultColor : betweenCorners(s.colors, t, hit.u, hit.v);

@@ -58,7 +58,18 @@ private:
     int addUpFrom(const LevelView& view, const Corners& c, int ref, const Vec3f& f, ShellLookup& out,
                   float (&weights)[8]) const;
 
+    /// What a prefetch found, for the lookup that it was made for.
+    struct Ahead {
+        const LevelView* view = nullptr;
+        int x = 0, y = 0, z = 0;
+        bool found = false;
+        Corners corners;
+        bool is(const LevelView& v, int i, int j, int k) const { return view == &v && x == i && y == j && z == k; }
+    };
+
     std::vector<LevelView> views_;
+    Ahead ahead_[2]; ///< of the last two
+    int nextAhead_ = 0;
     Vec2f tile_;
     Vec3f prefer_{0, 0, 0};
 };

@@ -148,10 +148,15 @@ bool ShellReader::lookup(const Vec3f& objectPoint, int levelNumber, ShellLookup&
         return false;
     }
     const Vec3d floor(quickFloor(at.x), quickFloor(at.y), quickFloor(at.z));
-    Corners c;
-    if (!corners(view, int(floor.x), int(floor.y), int(floor.z), c)) {
+    const int x = int(floor.x), y = int(floor.y), z = int(floor.z);
+    Corners own;
+    const Ahead* const known = ahead_[0].is(view, x, y, z)   ? &ahead_[0]
+                               : ahead_[1].is(view, x, y, z) ? &ahead_[1]
+                                                             : nullptr;
+    if (!(known ? known->found : corners(view, x, y, z, own))) {
         return false;
     }
+    const Corners& c = known ? known->corners : own;
     const Vec3f f(at - floor);
     int ref = (f.x > 0.5f ? 4 : 0) | (f.y > 0.5f ? 2 : 0) | (f.z > 0.5f ? 1 : 0);
     if (!(c.present >> ref & 1)) {
@@ -191,13 +196,20 @@ void ShellReader::prefetch(const Vec3f& objectPoint, int levelNumber) {
     }
     LevelView& view = views_[std::size_t(std::clamp(levelNumber, 0, int(views_.size()) - 1))];
     const Vec3d at = (Vec3d(objectPoint) - view.level->origin) * view.perVoxel;
-    Corners c;
-    if (std::abs(at.x) < 1e9 && std::abs(at.y) < 1e9 && std::abs(at.z) < 1e9 && view.leaf &&
-        corners(view, int(quickFloor(at.x)), int(quickFloor(at.y)), int(quickFloor(at.z)), c)) {
-        for (int i = 0; i < 8; i += 2) {
-            if (c.present >> i & 1) {
-                __builtin_prefetch(c.sample[i]);
-            }
+    if (!(std::abs(at.x) < 1e9 && std::abs(at.y) < 1e9 && std::abs(at.z) < 1e9 && view.leaf)) {
+        return;
+    }
+    Ahead& a = ahead_[nextAhead_ ^= 1];
+    a.view = &view;
+    a.x = int(quickFloor(at.x));
+    a.y = int(quickFloor(at.y));
+    a.z = int(quickFloor(at.z));
+    a.corners.present = 0;
+    a.found = corners(view, a.x, a.y, a.z, a.corners);
+    // Two samples share a line of the cache, but those of a row may lie in two.
+    for (int i = 0; i < 8; ++i) {
+        if (a.corners.present >> i & 1) {
+            __builtin_prefetch(a.corners.sample[i]);
         }
     }
 }

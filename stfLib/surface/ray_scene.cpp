@@ -121,6 +121,26 @@ bool nearest(RTCScene scene, const Ray& ray, float time, RayHit& hit, unsigned* 
     return true;
 }
 
+/// Sixteen rays are traced as one where the processor has vectors of sixteen.
+bool tracesSixteen() {
+    static const bool native = rtcGetDeviceProperty(sharedDevice(), RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED) != 0;
+    return native;
+}
+
+void nearestOfSixteen(RTCScene scene, const int* valid, RTCRayHit16& rayHits) {
+#if RTC_VERSION_MAJOR >= 4
+    RTCIntersectArguments arguments;
+    rtcInitIntersectArguments(&arguments);
+    arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+    rtcIntersect16(valid, scene, &rayHits, &arguments);
+#else
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    rtcIntersect16(valid, scene, &context, &rayHits);
+#endif
+}
+
 bool anyHit(RTCScene scene, const Ray& ray, float time) {
     RTCRay rtcRay;
     fill(ray, time, rtcRay);
@@ -326,6 +346,51 @@ bool RayScene::intersect(const Ray& worldRay, RayHit& hit, float time) const {
     hit.geometry = 0;
     hit.instance = impl_->ids[instance];
     return true;
+}
+
+void RayScene::intersectTogether(const Ray* rays, const float* times, int count, RayHit* hits, bool* met) const {
+    if (count <= 0) {
+        return;
+    }
+    if (!tracesSixteen()) {
+        for (int i = 0; i < count; ++i) {
+            met[i] = intersect(rays[i], hits[i], times[i]);
+        }
+        return;
+    }
+    static_assert(kMostTogether == 16);
+    alignas(64) int valid[kMostTogether] = {};
+    RTCRayHit16 all;
+    for (int i = 0; i < kMostTogether; ++i) {
+        const Ray& ray = rays[std::min(i, count - 1)];
+        valid[i] = i < count && traceable(ray) ? -1 : 0;
+        all.ray.org_x[i] = ray.origin.x;
+        all.ray.org_y[i] = ray.origin.y;
+        all.ray.org_z[i] = ray.origin.z;
+        all.ray.tnear[i] = std::max(0.0f, ray.tNear);
+        all.ray.dir_x[i] = ray.direction.x;
+        all.ray.dir_y[i] = ray.direction.y;
+        all.ray.dir_z[i] = ray.direction.z;
+        all.ray.time[i] = times[std::min(i, count - 1)];
+        all.ray.tfar[i] = ray.tFar;
+        all.ray.mask[i] = ~0u;
+        all.ray.id[i] = all.ray.flags[i] = 0;
+        all.hit.geomID[i] = all.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+    }
+    nearestOfSixteen(impl_->scene.get(), valid, all);
+    for (int i = 0; i < count; ++i) {
+        met[i] = valid[i] && all.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
+        if (met[i]) {
+            RayHit& hit = hits[i];
+            hit.t = all.ray.tfar[i];
+            hit.geometricNormal = {all.hit.Ng_x[i], all.hit.Ng_y[i], all.hit.Ng_z[i]};
+            hit.u = all.hit.u[i];
+            hit.v = all.hit.v[i];
+            hit.triangle = all.hit.primID[i];
+            hit.geometry = 0;
+            hit.instance = impl_->ids[all.hit.instID[0][i]];
+        }
+    }
 }
 
 bool RayScene::occluded(const Ray& worldRay, float time) const {

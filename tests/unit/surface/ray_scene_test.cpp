@@ -154,3 +154,47 @@ TEST(RayScene, TinyAndFarInstancesAreFound) {
     ASSERT_TRUE(scene.intersect(down(1e6f + 0.25f, 0.25f), hit));
     EXPECT_EQ(hit.instance, 1u);
 }
+
+TEST(RayScene, RaysTracedTogetherMeetWhatTheyMeetAlone) {
+    Transform moved, mirrored;
+    moved.translation = {0.3, 0.1, -2};
+    mirrored.x = {-2, 0.5, 0};
+    const auto mesh = triangle();
+    std::vector<RayInstance> instances(2);
+    instances[0].mesh = instances[1].mesh = mesh;
+    instances[0].objectToWorld = moved;
+    instances[1].objectToWorld = mirrored;
+    instances[0].id = 7;
+    instances[1].id = 9;
+    const RayScene scene(instances);
+    for (int count : {1, 5, kMostTogether}) {
+        Ray rays[kMostTogether];
+        RayHit together[kMostTogether], alone;
+        bool met[kMostTogether];
+        for (int i = 0; i < count; ++i) {
+            rays[i] = {{-1.5f + 0.17f * float(i), 0.2f, 5}, 0, {0.02f, 0.01f, -1}, 1e30f};
+        }
+        if (count > 2) {
+            rays[2].direction = {0, 0, 0}; // none at all
+        }
+        const std::vector<float> times(kMostTogether, 0.5f);
+        scene.intersectTogether(rays, times.data(), count, together, met);
+        int hits = 0;
+        for (int i = 0; i < count; ++i) {
+            ASSERT_EQ(met[i], scene.intersect(rays[i], alone)) << i;
+            if (met[i]) {
+                ++hits;
+                EXPECT_EQ(together[i].instance, alone.instance);
+                EXPECT_EQ(together[i].triangle, alone.triangle);
+                EXPECT_NEAR(together[i].t, alone.t, 1e-5);
+                EXPECT_NEAR(together[i].u, alone.u, 1e-5);
+                EXPECT_NEAR(together[i].v, alone.v, 1e-5);
+                EXPECT_GT(dot(together[i].geometricNormal, alone.geometricNormal), 0);
+            }
+        }
+        EXPECT_TRUE(count < kMostTogether || (hits > 3 && hits < count));
+    }
+    bool none = false;
+    scene.intersectTogether(nullptr, nullptr, 0, nullptr, &none); // nothing is touched
+    EXPECT_FALSE(none);
+}
