@@ -98,6 +98,7 @@ struct Renderer::Impl {
     FrameWindow window;
     Film film;
     ShellBuilder builder;
+    ShellCores cores;
     std::map<std::string, Kept> kept;
     TextureStore textures;
     std::map<std::string, std::shared_ptr<const PlainMaterial>> materials; // of what is drawn
@@ -421,8 +422,12 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
     Impl& s = *impl_;
     setThreadCount(s.settings.threads);
     s.prepareStart = Clock::now();
-    if (s.scene && source.version() == s.preparedVersion && s.settings.quality == s.preparedSettings.quality &&
-        s.settings.transport == s.preparedSettings.transport && s.settings.seed == s.preparedSettings.seed &&
+    // Whether surfaces give light back at all, cores have to know.
+    const bool coresStay =
+        !s.scene || !s.scene->surfacesBounce || (s.settings.maxDepth > 0) == (s.preparedSettings.maxDepth > 0);
+    if (s.scene && coresStay && source.version() == s.preparedVersion &&
+        s.settings.quality == s.preparedSettings.quality && s.settings.transport == s.preparedSettings.transport &&
+        s.settings.seed == s.preparedSettings.seed &&
         (!s.hasMotion || s.camera.optics().shutter == s.preparedShutter)) {
         if (s.settings.maxDepth != s.preparedSettings.maxDepth) {
             s.preparedSettings.maxDepth = s.settings.maxDepth;
@@ -480,21 +485,26 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
     // The core depends on lights and on whatever throws shadows: any edit of those solves it again, the camera does
     // not.
     const auto coreStart = Clock::now();
+    const bool bounces = s.scene->surfacesBounce && s.settings.maxDepth > 0;
     int solved = 0;
+    std::string summary;
     for (PreparedInstance& i : s.scene->instances) {
         const ShellObject* shell = i.mesh->shell.get();
-        if (shell && !shell->coreBlack && (s.scene->lights.count() > 0 || emits(i))) {
+        if (shell && !shell->coreBlack && (s.scene->lights.count() > 0 || emits(i) || bounces)) {
             ++solved;
-            i.core =
-                shell->grid->spreadCoreRadiance(coreRadiance(*shell, i.objectToWorld, *s.scene->rays, s.scene->lights,
-                                                             s.scene->rounding, s.settings.seed, progress));
+            const std::shared_ptr<const ShellCore> core = s.cores.prepare(*shell, s.settings.seed, progress);
+            i.core = shell->grid->spreadCoreRadiance(
+                coreRadiance(*core, *shell, i.objectToWorld, *s.scene, bounces, s.settings.seed, progress));
+            summary = summary.empty() ? core->summary : summary;
         }
     }
+    s.cores.dropUnused();
     s.stats.coreSeconds += since(coreStart);
-    s.scenePlan.push_back({"scene", "core", solved > 0,
-                           solved ? "solved for lights and geometry, instances: " + std::to_string(solved)
-                                  : "no lit shell with a core that scatters",
-                           since(coreStart)});
+    s.scenePlan.push_back(
+        {"scene", "core", solved > 0,
+         solved ? "solved for lights and geometry, instances: " + std::to_string(solved) + ", the first: " + summary
+                : "no lit shell with a core that scatters",
+         since(coreStart)});
     // What is held now, not what was ever made: edits replace tables and grids.
     s.stats.tableBytes = s.stats.shellBytes = 0;
     std::set<const StfTable*> tables;
