@@ -34,7 +34,7 @@ int Integrator::lightsOnShell(const PreparedInstance& instance, const Surfel& su
     int count = 0;
     const auto visible = [&](const Vec3f& point, const LightSample& light) {
         const Vec3f lifted = instance.worldPoint(point + objectNormal * offset);
-        return rays_.visibility(lifted + surfel.normal * scene_.rounding, light, sampler, false);
+        return rays_.visibility(lifted + surfel.normal * scene_.rounding, light);
     };
     LightPick picks[kMaxLightsPerPath];
     const int chosen = rays_.chooseLights(surfel.point, surfel.normal, sampler, picks);
@@ -213,7 +213,7 @@ PixelSample Integrator::sample(const Bundle& bundle, int i, const RayCone& cone,
         }
         if (path.lightsOnly) {
             add(throughput * plain_.lightMet(path, rays_.instance(hit.instance), hit), path.bounced);
-            throughput *= rays_.straightOn(ray, hit, sampler, true);
+            throughput *= rays_.straightOn(ray, hit, &sampler);
             if (!(maxComponent(throughput) > 0)) {
                 return out;
             }

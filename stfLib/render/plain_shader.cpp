@@ -92,7 +92,7 @@ Rgb PlainShader::direct(const Vertex& v, const PreviewBsdf& bsdf, int domeDirect
                 share *= own / (own + bsdf.density(v.out, in));
             }
             if (maxComponent(share) > 0) {
-                sum += light.irradiance * share * rays_.visibility(v.origin, light, sampler, true);
+                sum += light.irradiance * share * rays_.visibility(v.origin, light, &sampler);
             }
         }
     }

@@ -9,12 +9,12 @@ namespace {
 constexpr int kMaxClearSurfaces = 64; // along one shadow ray
 }
 
-Rgb SceneRays::visibility(const Vec3f& origin, const LightSample& light, PixelSampler& sampler, bool throughShells) {
+Rgb SceneRays::visibility(const Vec3f& origin, const LightSample& light, PixelSampler* throughShells) {
     if (!light.shadows) {
         return Rgb(1.0f);
     }
     if (wayOut_) {
-        return fromWithin(origin, light, sampler, throughShells);
+        return fromWithin(origin, light, throughShells);
     }
     const Ray ray = shadowRay(origin, light);
     const bool shells = throughShells && scene_.clearShells;
@@ -27,7 +27,7 @@ Rgb SceneRays::visibility(const Vec3f& origin, const LightSample& light, PixelSa
             return Rgb(0.0f);
         }
     }
-    return throughSurfaces(ray, sampler, shells);
+    return throughSurfaces(ray, shells ? throughShells : nullptr);
 }
 
 const PreparedInstance& SceneRays::moved(const PreparedInstance& placed) {
@@ -49,21 +49,21 @@ const PreparedInstance& SceneRays::moved(const PreparedInstance& placed) {
     return m.instance;
 }
 
-Rgb SceneRays::fromWithin(Vec3f origin, LightSample light, PixelSampler& sampler, bool throughShells) {
+Rgb SceneRays::fromWithin(Vec3f origin, LightSample light, PixelSampler* throughShells) {
     WayOut wayOut;
     wayOut.swap(wayOut_); // beyond there is none
     Rgb left = wayOut(origin, light);
     if (maxComponent(left) > 0) {
-        left *= visibility(origin, light, sampler, throughShells);
+        left *= visibility(origin, light, throughShells);
     }
     wayOut.swap(wayOut_);
     return left;
 }
 
-Rgb SceneRays::straightOn(Ray& ray, const RayHit& hit, PixelSampler& sampler, bool throughShells) {
+Rgb SceneRays::straightOn(Ray& ray, const RayHit& hit, PixelSampler* throughShells) {
     const PreparedInstance& instance = this->instance(hit.instance);
     if (instance.mesh->shell) {
-        return throughShells && throughShell_ ? throughShell_(instance, ray, hit, sampler) : Rgb(0.0f);
+        return throughShells && throughShell_ ? throughShell_(instance, ray, hit, *throughShells) : Rgb(0.0f);
     }
     if (!instance.material || instance.material->opaque()) {
         return Rgb(0.0f);
@@ -74,14 +74,14 @@ Rgb SceneRays::straightOn(Ray& ray, const RayHit& hit, PixelSampler& sampler, bo
     return PreviewBsdf(at).through({0, 0, dot(surfel.normal, ray.direction)});
 }
 
-Rgb SceneRays::throughSurfaces(Ray ray, PixelSampler& sampler, bool throughShells) {
+Rgb SceneRays::throughSurfaces(Ray ray, PixelSampler* throughShells) {
     Rgb left(1.0f);
     for (int i = 0; i < kMaxClearSurfaces; ++i) {
         RayHit hit;
         if (!intersect(ray, hit)) {
             return left;
         }
-        left *= straightOn(ray, hit, sampler, throughShells);
+        left *= straightOn(ray, hit, throughShells);
         if (!(maxComponent(left) > 0)) {
             return left;
         }

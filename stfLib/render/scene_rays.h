@@ -46,10 +46,10 @@ public:
     /// Null: shells stop light.
     void setThroughShell(ThroughShell throughShell) { throughShell_ = std::move(throughShell); }
     /// The share of a light that arrives at a point (world): 0 or 1, but for surfaces that are not opaque. With
-    /// `throughShells` also the light that goes straight through shells, as paths of bounces do.
-    Rgb visibility(const Vec3f& origin, const LightSample& light, PixelSampler& sampler, bool throughShells);
+    /// numbers for `throughShells` also the light that goes straight through shells, as paths of bounces do.
+    Rgb visibility(const Vec3f& origin, const LightSample& light, PixelSampler* throughShells = nullptr);
     /// What is left of a ray that goes straight on where it hits something; moves its start behind that.
-    Rgb straightOn(Ray& ray, const RayHit& hit, PixelSampler& sampler, bool throughShells);
+    Rgb straightOn(Ray& ray, const RayHit& hit, PixelSampler* throughShells);
     /// At most kMaxLightsPerPath of the lights, with their weights; returns how many.
     int chooseLights(const Vec3f& point, const Vec3f& normal, PixelSampler& sampler, LightPick* picks) const;
 
@@ -61,8 +61,8 @@ private:
         PreparedInstance instance;
         std::uint64_t timeVersion = 0;
     };
-    Rgb throughSurfaces(Ray ray, PixelSampler& sampler, bool throughShells);
-    Rgb fromWithin(Vec3f origin, LightSample light, PixelSampler& sampler, bool throughShells);
+    Rgb throughSurfaces(Ray ray, PixelSampler* throughShells);
+    Rgb fromWithin(Vec3f origin, LightSample light, PixelSampler* throughShells);
     const PreparedInstance& moved(const PreparedInstance& placed);
 
     const PreparedScene& scene_;
