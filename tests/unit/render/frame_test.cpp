@@ -4,6 +4,7 @@
 #include "stfLib/volume/make_samples.h"
 #include "stfLib/volume/volume_io.h"
 #include "tests/unit/support/files.h"
+#include "tests/unit/support/square_mesh.h"
 
 #include <gtest/gtest.h>
 
@@ -52,14 +53,7 @@ protected:
     /// A square with half its edges as vectors; its front is on the side of their cross product.
     void addSquare(const std::string& id, const Vec3f& middle, const Vec3f& x, const Vec3f& y, const Rgb& albedo,
                    const Rgb& emission, std::vector<TransformSample> motion = {}) {
-        ControlMesh m;
-        m.scheme = ControlMesh::Scheme::None;
-        m.points = {middle - x - y, middle + x - y, middle + x + y, middle - x + y};
-        m.faceVertexCounts = {4};
-        m.faceVertexIndices = {0, 1, 2, 3};
-        m.uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
-        m.uvIndices = {0, 1, 2, 3};
-        scene_.setMesh(id, m, 0);
+        scene_.setMesh(id, squareMesh(middle, x, y), 0);
         MeshInstance instance;
         instance.motion = std::move(motion);
         scene_.setInstances(id, {instance});

@@ -7,6 +7,7 @@
 #include "stfLib/volume/make_samples.h"
 #include "stfLib/volume/volume_io.h"
 #include "tests/unit/support/files.h"
+#include "tests/unit/support/square_mesh.h"
 #include "tests/unit/support/statistics.h"
 
 #include <algorithm>
@@ -47,14 +48,7 @@ protected:
     }
     /// A square about a point with half its edges as vectors.
     void addSquare(const std::string& id, const Vec3f& middle, const Vec3f& x, const Vec3f& y) {
-        ControlMesh m;
-        m.scheme = ControlMesh::Scheme::None;
-        m.points = {middle - x - y, middle + x - y, middle + x + y, middle - x + y};
-        m.faceVertexCounts = {4};
-        m.faceVertexIndices = {0, 1, 2, 3};
-        m.uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
-        m.uvIndices = {0, 1, 2, 3};
-        addMesh(id, m);
+        addMesh(id, squareMesh(middle, x, y));
     }
     void look(const std::string& id, const PreviewSurface& s) {
         scene_.setMaterial(id + "/look", s);

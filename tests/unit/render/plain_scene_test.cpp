@@ -8,6 +8,7 @@
 #include "tests/unit/support/statistics.h"
 
 #include "stfLib/render/preview_bsdf.h"
+#include "tests/unit/support/square_mesh.h"
 
 #include <cmath>
 #include <functional>
@@ -37,14 +38,7 @@ protected:
     /// A square about a point with half its edges as vectors; its front is on the side of their cross product.
     void addSquare(const std::string& id, const Vec3f& middle, const Vec3f& x, const Vec3f& y,
                    const PreviewSurface& surface) {
-        ControlMesh m;
-        m.scheme = ControlMesh::Scheme::None;
-        m.points = {middle - x - y, middle + x - y, middle + x + y, middle - x + y};
-        m.faceVertexCounts = {4};
-        m.faceVertexIndices = {0, 1, 2, 3};
-        m.uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
-        m.uvIndices = {0, 1, 2, 3};
-        scene_.setMesh(id, m, 0);
+        scene_.setMesh(id, squareMesh(middle, x, y), 0);
         scene_.setInstances(id, {MeshInstance()});
         scene_.setMaterial(id + "/look", surface);
         scene_.setMeshMaterial(id, id + "/look");
