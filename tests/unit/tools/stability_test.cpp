@@ -6,6 +6,15 @@
 #include <gtest/gtest.h>
 #include <set>
 
+namespace stf {
+
+// How gtest names a case where it fails.
+static void PrintTo(const StabilityCase& c, std::ostream* out) {
+    *out << c.id;
+}
+
+} // namespace stf
+
 namespace stf::test {
 namespace {
 
@@ -16,11 +25,6 @@ TEST_P(Stability, Holds) {
     const StabilityOutcome o = runStabilityCase(GetParam(), run);
     std::printf("%s\n", o.measured.c_str());
     EXPECT_TRUE(o.ok) << GetParam().input << "; must hold: " << GetParam().mustHold << "; measured: " << o.measured;
-}
-
-// gtest prints the parameter in names of failures.
-[[maybe_unused]] void PrintTo(const StabilityCase& c, std::ostream* out) {
-    *out << c.id;
 }
 
 INSTANTIATE_TEST_SUITE_P(Cases, Stability, testing::ValuesIn(stabilityCases()), [](const auto& info) {
