@@ -146,7 +146,8 @@ StabilityOutcome dilated(StabilityRun& run) {
         big.binding.coreSigmaSPrime = Rgb(float(0.9 / s));
         big.binding.scale = float(1 / s); // as large in the scene as before
         const SmallPicture p = big.render();
-        worst = p.finite() ? std::max(worst, std::abs(p.mean().y / here.mean().y - 1)) : INFINITY;
+        const double off = p.finite() ? std::abs(p.mean().y / here.mean().y - 1) : INFINITY;
+        worst = std::max(worst, off);
     }
     return {measuredText("mean radiance differs by %.2f %%, tables good to %.2f %%", 100 * worst,
                          100 * here.tableError),
