@@ -14,6 +14,19 @@ std::unique_ptr<ContentStore> tableStore(const std::string& folder) {
     return std::make_unique<ContentStore>((parent / "tables").string(), cacheLimit().bytes);
 }
 
+namespace {
+std::string keyOf(const BaseVolume& volume, const TransportOptions& options) {
+    return volume.contentHash() + ";" + options.key();
+}
+} // namespace
+
+TableKept tablesKept(const std::string& folder) {
+    const std::shared_ptr<const ContentStore> store = tableStore(folder);
+    return [store](const BaseVolume& volume, const TransportOptions& options) {
+        return std::filesystem::exists(store->pathOf(keyOf(volume, options)));
+    };
+}
+
 TableProvider cachedTables(std::string folder) {
     struct State {
         std::unique_ptr<ContentStore> store;
@@ -28,7 +41,7 @@ TableProvider cachedTables(std::string folder) {
         if (!state->complaint.empty() && !state->complained.exchange(true)) {
             report(messages, Severity::Warning, state->complaint);
         }
-        const std::string key = volume->contentHash() + ";" + options.key();
+        const std::string key = keyOf(*volume, options);
         std::shared_ptr<const StfTable> table;
         StoreRecipe recipe;
         bool made = false;

@@ -22,6 +22,7 @@ void addMaterialsCommand(CLI::App& app);
 void addShellCommand(CLI::App& app);
 void addSynthesizeCommand(CLI::App& app);
 void addAcquireCommand(CLI::App& app);
+void addPlanCommand(CLI::App& app);
 void addStabilityCommand(CLI::App& app);
 
 /// Each adds one command to the group `stf acquire`.

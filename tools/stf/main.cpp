@@ -21,6 +21,7 @@ int main(int argc, char** argv) {
     stf::addShellCommand(app);
     stf::addSynthesizeCommand(app);
     stf::addAcquireCommand(app);
+    stf::addPlanCommand(app);
     stf::addStabilityCommand(app);
     try {
         app.parse(argc, argv);
