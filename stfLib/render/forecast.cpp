@@ -70,7 +70,7 @@ public:
             std::to_string(lights.count()) + " of " + std::to_string(scene_.lights().size()) + " give light");
         const bool bounces = plain_ > 0 && settings_.maxDepth > 0;
         add("scene", "bounces", bounces,
-            bounces ? "up to " + std::to_string(settings_.maxDepth) + " off surfaces without a shell"
+            bounces  ? "up to " + std::to_string(settings_.maxDepth) + " off surfaces without a shell"
             : plain_ ? "stf:maxDepth is 0"
                      : "no surface without a shell");
         const bool solves = cores_ > 0 && (lights.count() > 0 || emits_ || bounces);
@@ -100,8 +100,7 @@ private:
         const double depth = volume.extentMm().z;
         const double wanted = binding.thickness > 0 ? double(binding.thickness) * mmPerUnit : depth;
         const MappingChoice choice = mapping(mesh, m.refineLevel, binding, volume, depth / mmPerUnit);
-        const int layers =
-            std::clamp(int(std::lround(std::min(wanted, depth) / volume.voxelMm.z)), 1, volume.size.z);
+        const int layers = std::clamp(int(std::lround(std::min(wanted, depth) / volume.voxelMm.z)), 1, volume.size.z);
         if (layers < volume.size.z) {
             volume = cropDepth(volume, layers);
         }
@@ -152,7 +151,9 @@ private:
         cores_ += core ? 1 : 0;
         emits_ = emits_ || medium.emits();
         add(id, "core", core,
-            core ? binding.coreModel : binding.coreModel == "none" ? "coreModel is none" : "the core does not scatter");
+            core                          ? binding.coreModel
+            : binding.coreModel == "none" ? "coreModel is none"
+                                          : "the core does not scatter");
     }
 
     const Scene& scene_;

@@ -54,8 +54,9 @@ StabilityOutcome foldOver(StabilityRun& run) {
         };
         turned += dot(side(surface.points), side(inner.inner)) < 0 ? 1 : 0;
     }
-    return {measuredText("%d of %d triangles turned over; radiance up to %.3f; %s", turned, int(surface.triangles.size()),
-                         double(p.largest()), p.messages.empty() ? "nothing was said" : p.messages[0].c_str()),
+    return {measuredText("%d of %d triangles turned over; radiance up to %.3f; %s", turned,
+                         int(surface.triangles.size()), double(p.largest()),
+                         p.messages.empty() ? "nothing was said" : p.messages[0].c_str()),
             sane(p) && turned == 0 && !p.messages.empty()};
 }
 
@@ -260,18 +261,19 @@ void addGeometryCases(std::vector<StabilityCase>& all) {
                    "the boundary is not turned over anywhere, the user is told; finite", false, false, foldOver});
     all.push_back({"10.one-face", "a mesh of one triangle", whole, false, false, oneFace});
     all.push_back({"10.non-manifold", "three squares at one edge", whole, false, false, nonManifold});
-    all.push_back({"10.degenerate",
-                   "a square with faces of two vertices, one, no area, an index out of range, a point that is no number",
-                   whole, false, false, degenerate});
+    all.push_back(
+        {"10.degenerate",
+         "a square with faces of two vertices, one, no area, an index out of range, a point that is no number", whole,
+         false, false, degenerate});
     all.push_back({"10.inverted", "turned faces that are left-handed; a cube inside out",
                    "the same mean within 1 %; finite", false, false, invertedTwice});
-    all.push_back({"10.mirrored", "an instance mirrored in x", "the same mean within .5 % and noise", false, false,
-                   mirrored});
+    all.push_back(
+        {"10.mirrored", "an instance mirrored in x", "the same mean within .5 % and noise", false, false, mirrored});
     all.push_back({"10.singular", "an instance without volume and one at infinity, before a grey wall",
                    "both left out with a message, the wall is there", false, false, singular});
     all.push_back({"10.sheared", "an instance stretched, sheared and mirrored", whole, false, false, stretched});
-    all.push_back({"10.hard-edges", "a cube with hard edges, a rounded one with a creased face", whole, false, false,
-                   hardEdges});
+    all.push_back(
+        {"10.hard-edges", "a cube with hard edges, a rounded one with a creased face", whole, false, false, hardEdges});
     all.push_back({"10.camera-inside", "a camera .001 mm above the surface, on it, below; in shell, boundary and core",
                    "steps through the surface change the mean by less than 2 %; finite", false, false, cameraInside});
     all.push_back({"10.tiny-tiles", "tiles of 1x1x8, 4x4x8 and 1x1x1 voxels of one medium",

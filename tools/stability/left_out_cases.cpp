@@ -88,9 +88,9 @@ StabilityOutcome unbound(StabilityRun& run) {
     for (const char* stage : {"load", "transport", "synthesis", "shell", "core"}) {
         any = any || p.entry(stage).runs;
     }
-    return {measuredText("stages of shells: %s, tables %d; radiance %.5f (Lambert's .5)", ran(any), p.tables,
-                         p.mean().y),
-            !any && p.tables == 0 && p.messages.empty() && std::abs(p.mean().y - 0.5) < 1e-4};
+    return {
+        measuredText("stages of shells: %s, tables %d; radiance %.5f (Lambert's .5)", ran(any), p.tables, p.mean().y),
+        !any && p.tables == 0 && p.messages.empty() && std::abs(p.mean().y - 0.5) < 1e-4};
 }
 
 // A flat square is the same however it is subdivided.
@@ -172,9 +172,10 @@ StabilityOutcome fromTheStore(StabilityRun& run) {
     };
     const SmallPicture made = picture(), read = picture();
     const bool same = made.color == read.color;
-    return {measuredText("first: transport %s, synthesis %s; then %s, %s; pictures %s", ran(made.entry("transport").runs),
-                         ran(made.entry("synthesis").runs), ran(read.entry("transport").runs),
-                         ran(read.entry("synthesis").runs), same ? "equal" : "different"),
+    return {measuredText("first: transport %s, synthesis %s; then %s, %s; pictures %s",
+                         ran(made.entry("transport").runs), ran(made.entry("synthesis").runs),
+                         ran(read.entry("transport").runs), ran(read.entry("synthesis").runs),
+                         same ? "equal" : "different"),
             same && made.entry("transport").runs && made.entry("synthesis").runs && !read.entry("transport").runs &&
                 !read.entry("synthesis").runs && made.largest() > 0};
 }
@@ -222,8 +223,8 @@ StabilityOutcome noLens(StabilityRun& run) {
     const auto none = picture(0), tiny = picture(1e-9);
     const double off = std::abs(tiny.first.mean().y / none.first.mean().y - 1);
     const double noise = 4 * (tiny.first.error() + none.first.error()) / none.first.mean().y;
-    return {measuredText("radius 0: %s; 1e-9: %s, mean differs by %.2e, noise %.2e", ran(none.second),
-                         ran(tiny.second), off, noise),
+    return {measuredText("radius 0: %s; 1e-9: %s, mean differs by %.2e, noise %.2e", ran(none.second), ran(tiny.second),
+                         off, noise),
             !none.second && tiny.second && off < noise};
 }
 
@@ -306,8 +307,8 @@ void addLeftOutCases(std::vector<StabilityCase>& all) {
     all.push_back({"plan.no-light", "no light at all: no core is solved", "black", false, false, darkCore});
     all.push_back({"plan.invisible", "an invisible object with a shell before a plain wall",
                    "no table, surface or grid is made, the picture is equal", false, false, invisible});
-    all.push_back({"plan.unbound", "an object without a shell", "no stage of shells runs; Lambert's law", false, false,
-                   unbound});
+    all.push_back(
+        {"plan.unbound", "an object without a shell", "no stage of shells runs; Lambert's law", false, false, unbound});
     all.push_back({"plan.no-subdivision", "a square of scheme none: no subdivision",
                    "bilinear subdivision differs by less than 1e-5, with a shell 2e-3 in the mean", false, false,
                    noSubdivision});
@@ -318,10 +319,10 @@ void addLeftOutCases(std::vector<StabilityCase>& all) {
                    noFresnel});
     all.push_back({"plan.from-the-store", "tables and layouts kept from an earlier run: read",
                    "neither runs, the picture is equal", false, false, fromTheStore});
-    all.push_back({"plan.no-bounces", "no plain surface: no bounces", "0 and 8 bounces are equal", false, false,
-                   noBounces});
-    all.push_back({"plan.no-lens", "a lens of radius 0: a pinhole", "radius 1e-9 agrees within 4 standard errors", false,
-                   false, noLens});
+    all.push_back(
+        {"plan.no-bounces", "no plain surface: no bounces", "0 and 8 bounces are equal", false, false, noBounces});
+    all.push_back({"plan.no-lens", "a lens of radius 0: a pinhole", "radius 1e-9 agrees within 4 standard errors",
+                   false, false, noLens});
     all.push_back({"plan.edits", "camera, light, place, seed of the layout, quality are changed one after the other",
                    "camera: nothing; light and place: the core; seed: layout and grid; quality: the table", false,
                    false, edits});

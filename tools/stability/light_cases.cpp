@@ -39,9 +39,9 @@ StabilityOutcome twice(StabilityRun& run) {
         one.color[i] *= i % 4 == 3 ? 1.0f : 2.0f;
     }
     const double off = largestDifference(two, one);
-    return {measuredText("largest difference from twice the picture %.1e, radiance up to %.3f", off,
-                         double(two.largest())),
-            two.finite() && off < 1e-6 && two.largest() > 0};
+    return {
+        measuredText("largest difference from twice the picture %.1e, radiance up to %.3f", off, double(two.largest())),
+        two.finite() && off < 1e-6 && two.largest() > 0};
 }
 
 StabilityOutcome intensities(StabilityRun& run) {
@@ -108,8 +108,8 @@ StabilityOutcome units(StabilityRun& run, double s) {
     }
     const SmallPicture there = scene.render();
     const double off = largestDifference(there, here);
-    return {measuredText("largest difference %.1e; %s", off, there.messages.empty() ? "nothing was said"
-                                                                                     : there.messages[0].c_str()),
+    return {measuredText("largest difference %.1e; %s", off,
+                         there.messages.empty() ? "nothing was said" : there.messages[0].c_str()),
             there.finite() && off < 2e-3};
 }
 
@@ -149,9 +149,9 @@ StabilityOutcome dilated(StabilityRun& run) {
         const double off = p.finite() ? std::abs(p.mean().y / here.mean().y - 1) : INFINITY;
         worst = std::max(worst, off);
     }
-    return {measuredText("mean radiance differs by %.2f %%, tables good to %.2f %%", 100 * worst,
-                         100 * here.tableError),
-            worst < 0.01};
+    return {
+        measuredText("mean radiance differs by %.2f %%, tables good to %.2f %%", 100 * worst, 100 * here.tableError),
+        worst < 0.01};
 }
 
 StabilityOutcome farAway(StabilityRun& run) {
@@ -186,8 +186,8 @@ void addLightCases(std::vector<StabilityCase>& all) {
                    false, [](StabilityRun& run) { return transformed(run, 1e3); }});
     all.push_back({"8.dilated", "voxels of 1e-6 and 1e6 times the size, coefficients over as much",
                    "the same mean radiance within 1 %", false, false, dilated});
-    all.push_back({"8.offset-1e6", "the scene moved by (1e6, -2e6, 5e5) units", "the same picture, 2e-3", false, false,
-                   farAway});
+    all.push_back(
+        {"8.offset-1e6", "the scene moved by (1e6, -2e6, 5e5) units", "the same picture, 2e-3", false, false, farAway});
 }
 
 } // namespace stf

@@ -16,7 +16,8 @@ StabilityOutcome weightsOfAStep(StabilityRun&) {
     for (int e = -120; e <= 60; ++e) {
         const float x = float(std::pow(10.0, e / 10.0));
         const StepWeights w = stepWeights(x);
-        const long double t = std::exp(-static_cast<long double>(x)), phi = -std::expm1(-static_cast<long double>(x)) / x;
+        const long double t = std::exp(-static_cast<long double>(x)),
+                          phi = -std::expm1(-static_cast<long double>(x)) / x;
         inRange = inRange && w.transmittance >= 0 && w.transmittance <= 1 && w.phi1 >= 0 && w.phi1 <= 1;
         if (t > 1e-37L) { // below, a float has no digits to compare
             worstT = std::max(worstT, std::abs(w.transmittance / t - 1));

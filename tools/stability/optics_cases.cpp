@@ -29,8 +29,7 @@ StabilityOutcome phaseIntegral(StabilityRun&) {
                 const double away = std::exp(t) - (m * m + 1e-6); // 1 - cos for g > 0, 1 + cos for g < 0
                 const double weight = rule.weights[i] * (high - low) / kPanels * std::exp(t) * 2 * kPi;
                 const double c = g < 0 ? away - 1 : 1 - away, s = std::sqrt(std::max(0.0, away * (2 - away)));
-                const double value =
-                    double(henyeyGreenstein(g, {0, 0, 1}, normalize(Vec3f(float(s), 0, float(c)))));
+                const double value = double(henyeyGreenstein(g, {0, 0, 1}, normalize(Vec3f(float(s), 0, float(c)))));
                 sum += value * weight;
                 moment += value * c * weight;
             }
@@ -128,7 +127,8 @@ StabilityOutcome fresnelReciprocity(StabilityRun&) {
         }
         if (n > 1) {
             const double eta = double(n);
-            furnace = std::max(furnace, std::abs(diffuseFresnel(1 / eta) - (1 - (1 - diffuseFresnel(eta)) / (eta * eta))));
+            furnace =
+                std::max(furnace, std::abs(diffuseFresnel(1 / eta) - (1 - (1 - diffuseFresnel(eta)) / (eta * eta))));
         }
     }
     return {measuredText("reciprocity to %.1e, balance of diffuse light to %.1e", worst, furnace),

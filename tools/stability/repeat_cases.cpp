@@ -73,7 +73,8 @@ StabilityOutcome tableThreads(StabilityRun& run) {
     bool same = true;
     for (const StfTable& t : tables) {
         same = same && t.multiple->factors == tables[0].multiple->factors &&
-               t.multiple->basis == tables[0].multiple->basis && t.transmitted->factors == tables[0].transmitted->factors &&
+               t.multiple->basis == tables[0].multiple->basis &&
+               t.transmitted->factors == tables[0].transmitted->factors &&
                t.backlight->factors == tables[0].backlight->factors && t.photons == tables[0].photons;
     }
     return {measuredText("1, 2, 5 threads: %s; %d photons, rank %d", same ? "equal" : "different",
@@ -176,8 +177,8 @@ StabilityOutcome resolution(StabilityRun& run) {
 void addRepeatCases(std::vector<StabilityCase>& all) {
     all.push_back({"12.threads", "1, 2, 3, 7 threads: sky, lamp, index 1.4, core", "the same picture, bit for bit",
                    false, false, threads});
-    all.push_back({"12.table-threads", "a table by 1, 2, 5 threads", "the same table, bit for bit", false, false,
-                   tableThreads});
+    all.push_back(
+        {"12.table-threads", "a table by 1, 2, 5 threads", "the same table, bit for bit", false, false, tableThreads});
     all.push_back({"12.restart", "rendered again, interrupted and resumed, by another renderer",
                    "the same picture, bit for bit", false, false, restarts});
     all.push_back({"12.many-samples", "4096 samples a pixel with two seeds", "they agree within 4 standard errors",

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Points 3 and 6: stiff media and furnaces, rendered.
 #include "stfLib/optics/h_function.h"
+#include "stfLib/transport/precompute.h"
 #include "stfLib/transport/walk.h"
 #include "tools/stability/small_scene.h"
 #include "tools/stf/slab_stf.h"
@@ -53,7 +54,11 @@ BaseVolume checkered(float strongest) {
 StabilityOutcome voidsBesideOpaque(StabilityRun& run) {
     SmallScene scene(run);
     scene.volume = checkered(1e6f);
-    scene.settings.quality = 0.2f;
+    scene.tables = [](const std::shared_ptr<const BaseVolume>& volume, TransportOptions options, Progress& progress,
+                      const MessageSink& messages) {
+        options.maxPhotons = 20'000;
+        return std::make_shared<const StfTable>(precompute(*volume, options, progress, messages));
+    };
     scene.setLightCosine(0.7);
     const SmallPicture black = scene.render();
     scene.setCore(1);

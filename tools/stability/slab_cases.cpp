@@ -54,7 +54,8 @@ StabilityOutcome nearlyConservative(StabilityRun& run) {
             o.photons = 4000;
             const SlabResult r = slabByWalks(o, run.progress);
             lost += r.lost;
-            worst = std::max(worst, std::abs(r.r + r.t + r.a - 1) / std::max(1e-5, 3 * (r.rError + r.tError + r.aError)));
+            worst =
+                std::max(worst, std::abs(r.r + r.t + r.a - 1) / std::max(1e-5, 3 * (r.rError + r.tError + r.aError)));
         }
     }
     return {measuredText("R + T + A - 1: %.2f of what is allowed; walks lost: %d", worst, int(lost)),
@@ -181,7 +182,8 @@ StabilityOutcome dipoleLimits(StabilityRun&) {
 } // namespace
 
 void addSlabCases(std::vector<StabilityCase>& all) {
-    all.push_back({"2.albedo-1", "walks, albedo 1, tau 1e-6, 1, 30, index 1 and 1.5", "A <= 1e-6; R + T = 1 within 1e-5, with an index (where walks split) within 3 standard errors",
+    all.push_back({"2.albedo-1", "walks, albedo 1, tau 1e-6, 1, 30, index 1 and 1.5",
+                   "A <= 1e-6; R + T = 1 within 1e-5, with an index (where walks split) within 3 standard errors",
                    false, false, conservative});
     all.push_back({"2.albedo-1-1e-7", "walks, albedo 1 - 1e-7, tau 1 and 300, index 1 and 1.5",
                    "they end; R + T + A = 1 within 3 standard errors", true, false, nearlyConservative});
@@ -208,18 +210,13 @@ void addSlabCases(std::vector<StabilityCase>& all) {
                    dipoleLimits});
     all.push_back({"9.forward-thin", "dE1, tau 1, albedo .999999, g .9",
                    "known limit: the backward tail of a narrow peak, R at most 9 % too bright", false, true,
-                   [](StabilityRun& run) {
-                       return reflectance(run, byTable(1, 0.999999, 0.9), 0.026091, 0, 0.09);
-                   }});
+                   [](StabilityRun& run) { return reflectance(run, byTable(1, 0.999999, 0.9), 0.026091, 0, 0.09); }});
     all.push_back({"9.backward", "dE1, tau 2, albedo .9, g -.9",
                    "known limit: there is no peak to scale away, R at most 10.6 % too dark", false, true,
-                   [](StabilityRun& run) {
-                       return reflectance(run, byTable(2, 0.9, -0.9), 0.530159, -0.106, 0);
-                   }});
-    all.push_back({"9.forward-thick", "dE1, tau 10, albedo .99, g .9, index 1.33", "R within 3 %", true, false,
-                   [](StabilityRun& run) {
-                       return reflectance(run, byTable(10, 0.99, 0.9, 1.33), 0.255008, -0.03, 0.03);
-                   }});
+                   [](StabilityRun& run) { return reflectance(run, byTable(2, 0.9, -0.9), 0.530159, -0.106, 0); }});
+    all.push_back(
+        {"9.forward-thick", "dE1, tau 10, albedo .99, g .9, index 1.33", "R within 3 %", true, false,
+         [](StabilityRun& run) { return reflectance(run, byTable(10, 0.99, 0.9, 1.33), 0.255008, -0.03, 0.03); }});
 }
 
 } // namespace stf

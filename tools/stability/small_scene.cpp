@@ -192,7 +192,7 @@ Camera SmallScene::camera() const {
     }
     const double c = viewCosine, s = std::sqrt(std::max(0.0, 1 - c * c)), far = 100 * unitsPerMm;
     const double width = 2 / (viewMm * unitsPerMm);
-    const Matrix4 view{1,    0, 0, 0, 0, c, s, 0, 0, -s, c, 0, -p.x, -p.y * c + p.z * s, -p.y * s - p.z * c - far, 1};
+    const Matrix4 view{1, 0, 0, 0, 0, c, s, 0, 0, -s, c, 0, -p.x, -p.y * c + p.z * s, -p.y * s - p.z * c - far, 1};
     return Camera(view, {width, 0, 0, 0, 0, width, 0, 0, 0, 0, -0.5 / far, 0, 0, 0, -1, 1});
 }
 

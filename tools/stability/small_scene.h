@@ -58,8 +58,8 @@ struct SmallScene {
     std::map<std::string, Light> lights;
     double unitsPerMm = 1; ///< of the scene; camera and mesh go with it
     RenderSettings settings;
-    int size = 8;        ///< of the picture, pixels
-    double viewMm = 0.4; ///< width of what is seen
+    int size = 8;          ///< of the picture, pixels
+    double viewMm = 0.4;   ///< width of what is seen
     Vec3d lookAt{0, 0, 0}; ///< units
     double viewCosine = 1; ///< to z
     /// Camera of perspective there (units) instead, looking along -z (or z), 90 degrees wide.

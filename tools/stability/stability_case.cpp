@@ -31,9 +31,8 @@ const std::vector<StabilityCase>& stabilityCases() {
         addTableCases(all);
         addRepeatCases(all);
         addLeftOutCases(all);
-        std::stable_sort(all.begin(), all.end(), [](const StabilityCase& a, const StabilityCase& b) {
-            return pointOf(a) < pointOf(b);
-        });
+        std::stable_sort(all.begin(), all.end(),
+                         [](const StabilityCase& a, const StabilityCase& b) { return pointOf(a) < pointOf(b); });
         return all;
     }();
     return cases;

@@ -101,7 +101,9 @@ StabilityOutcome refused(StabilityRun& run, const std::string& name, const std::
     const SmallPicture p = scene.render();
     const std::string text = p.messages.empty() ? "nothing was said" : p.messages[0];
     const std::size_t slash = text.find(scene.volumeFile);
-    const std::string shown = slash == std::string::npos ? text : text.substr(0, slash) + text.substr(slash + run.folder.path().string().size() + 1);
+    const std::string shown = slash == std::string::npos
+                                  ? text
+                                  : text.substr(0, slash) + text.substr(slash + run.folder.path().string().size() + 1);
     return {shown, p.finite() && p.messages.size() == 1 && p.said("/object") && p.said(name) && p.said(part) &&
                        text.find('\n') == std::string::npos};
 }
@@ -119,9 +121,8 @@ StabilityOutcome badValue(StabilityRun& run, const char* name, float value) {
 }
 
 StabilityOutcome emptyFiles(StabilityRun& run) {
-    const StabilityOutcome zero = refused(run, "zero.vdb", "not a readable OpenVDB file", [](const std::string& path) {
-        std::ofstream(path).flush();
-    });
+    const StabilityOutcome zero = refused(run, "zero.vdb", "not a readable OpenVDB file",
+                                          [](const std::string& path) { std::ofstream(path).flush(); });
     const StabilityOutcome none = refused(run, "no_grids.vdb", "'extinction'", [](const std::string& path) {
         initializeOpenVdb();
         writeVdb(path, {}, metadata({3, 3, 3}));
@@ -141,9 +142,10 @@ void addTableCases(std::vector<StabilityCase>& all) {
                    mixedChannels});
     all.push_back({"11.unvisited-voxels", "300 photons in a tile of optical depth 4000", "finite, no brighter than 1",
                    false, false, unvisited});
-    all.push_back({"11.nan-voxel", "a volume with a voxel that is no number",
-                   "one message that names object, file and grid; the rest renders", false, false,
-                   [](StabilityRun& run) { return badValue(run, "nan.vdb", std::numeric_limits<float>::quiet_NaN()); }});
+    all.push_back(
+        {"11.nan-voxel", "a volume with a voxel that is no number",
+         "one message that names object, file and grid; the rest renders", false, false,
+         [](StabilityRun& run) { return badValue(run, "nan.vdb", std::numeric_limits<float>::quiet_NaN()); }});
     all.push_back({"11.negative-voxel", "a volume with a voxel of -1/mm",
                    "one message that names object, file and grid; the rest renders", false, false,
                    [](StabilityRun& run) { return badValue(run, "negative.vdb", -1); }});

@@ -59,8 +59,8 @@ Json readPlan(const std::string& path) {
 // The recorder looks at the scene as it does for a picture; told to plan only, the delegate then says what it would do.
 Json planOf(const PlanArguments& a, bool only) {
     const TemporaryFolder folder;
-    std::vector<std::string> words = {recorder(), a.scene, folder.file("plan.exr"), "--stats", folder.file("stats.json"),
-                                      "--quiet"};
+    std::vector<std::string> words = {
+        recorder(), a.scene, folder.file("plan.exr"), "--stats", folder.file("stats.json"), "--quiet"};
     if (only) {
         words.insert(words.end(), {"--imageWidth", "16"});
         ::setenv("HDSTF_PLAN_ONLY", "1", 1);

@@ -19,8 +19,8 @@ struct StabilityArguments {
 };
 
 nlohmann::ordered_json entry(const StabilityCase& c, const StabilityOutcome& o, double seconds) {
-    return {{"id", c.id},       {"input", c.input},         {"mustHold", c.mustHold}, {"measured", o.measured},
-            {"ok", o.ok},       {"knownLimit", c.knownLimit}, {"seconds", seconds}};
+    return {{"id", c.id}, {"input", c.input},           {"mustHold", c.mustHold}, {"measured", o.measured},
+            {"ok", o.ok}, {"knownLimit", c.knownLimit}, {"seconds", seconds}};
 }
 
 void printCase(const StabilityCase& c, const StabilityOutcome& o, double seconds) {

@@ -27,8 +27,8 @@ TEST_P(Stability, Holds) {
     EXPECT_TRUE(o.ok) << GetParam().input << "; must hold: " << GetParam().mustHold << "; measured: " << o.measured;
 }
 
-INSTANTIATE_TEST_SUITE_P(Cases, Stability, testing::ValuesIn(stabilityCases()), [](const auto& info) {
-    std::string name = info.param.id;
+INSTANTIATE_TEST_SUITE_P(Cases, Stability, testing::ValuesIn(stabilityCases()), [](const auto& one) {
+    std::string name = one.param.id;
     for (char& c : name) {
         c = std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
     }
