@@ -196,8 +196,8 @@ void addSlabCases(std::vector<StabilityCase>& all) {
                    "the reflectance factor changes by less than 1 % beyond 3 standard errors", false, false,
                    [](StabilityRun& run) { return isReciprocal(run, 0, 0.01); }});
     all.push_back({"7.reciprocity-g.8", "the same, g .8",
-                   "known limit: two moments hold the multiple part, 6 % of asymmetry remain", true, true,
-                   [](StabilityRun& run) { return isReciprocal(run, 0.8, 0.06); }});
+                   "known limit: two moments hold the multiple part, 10 % of asymmetry remain", true, true,
+                   [](StabilityRun& run) { return isReciprocal(run, 0.8, 0.10); }});
 
     all.push_back({"9.isotropic-slabs", "g 0: tau .01 and 1, albedo .9 and 1, index 1, 1.33, 1.5",
                    "R of adding-doubling within .5 %", true, false, isotropicSlabs});
