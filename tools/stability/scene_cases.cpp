@@ -67,6 +67,7 @@ StabilityOutcome voidsBesideOpaque(StabilityRun& run) {
     WalkRequest request;
     request.count = 5000;
     request.voxels = false;
+    request.scalar = true; // side by side, by null collisions, voids cost far more
     WalkSource source;
     source.kind = WalkSource::Kind::DiffuseTop;
     const WalkTally t = walk(medium, source, request, run.progress);
