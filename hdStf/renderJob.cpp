@@ -6,6 +6,7 @@
 #include "stfLib/cache/table_cache.h"
 
 #include "pxr/base/gf/vec4f.h"
+#include "pxr/base/tf/getenv.h"
 
 #include <algorithm>
 #include <exception>
@@ -86,6 +87,7 @@ HdStfRenderJob::~HdStfRenderJob() {
 void HdStfRenderJob::SetSettings(stf::RenderSettings const& settings, bool denoise) {
     StopRender();
     _denoise = denoise;
+    _settings = settings;
     _samplesWanted = settings.samples;
     _renderer.setSettings(settings);
 }
@@ -201,7 +203,11 @@ HdStfRenderJob::Progress HdStfRenderJob::GetProgress() const {
 void HdStfRenderJob::_Render() {
     _JobProgress progress(_cancel, [this](std::string const& stage, double fraction) { _SetStage(stage, fraction); });
     try {
-        _RenderUntilConverged(progress);
+        if (TfGetenvBool("HDSTF_PLAN_ONLY", false)) {
+            _Foresee(progress);
+        } else {
+            _RenderUntilConverged(progress);
+        }
     } catch (stf::Cancelled const&) {
         return;
     } catch (std::exception const& error) {
@@ -216,6 +222,13 @@ void HdStfRenderJob::_Render() {
         _progress.finished = true;
     }
     _MarkBuffers(true);
+}
+
+// Says what would be done; the buffers keep their clear values.
+void HdStfRenderJob::_Foresee(stf::Progress& progress) {
+    std::vector<stf::ForecastEntry> forecast = stf::foresee(_scene, _settings, stf::tablesKept(), progress);
+    std::lock_guard<std::mutex> lock(_progressMutex);
+    _progress.forecast = std::move(forecast);
 }
 
 void HdStfRenderJob::_RenderUntilConverged(stf::Progress& progress) {

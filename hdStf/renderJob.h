@@ -3,6 +3,7 @@
 
 #include "hdStf/messages.h"
 #include "hdStf/window.h"
+#include "stfLib/render/forecast.h"
 #include "stfLib/render/renderer.h"
 
 #include "pxr/imaging/hd/aov.h"
@@ -39,6 +40,7 @@ public:
         double clockSeconds = 0;
         stf::RenderStats stats;
         std::vector<stf::PlanEntry> plan;
+        std::vector<stf::ForecastEntry> forecast; ///< instead of it, where no work is done
     };
 
     HdStfRenderJob(stf::Scene& scene, HdStfMessages& messages);
@@ -80,6 +82,7 @@ private:
     // On the render thread.
     void _Render();
     void _RenderUntilConverged(stf::Progress& progress);
+    void _Foresee(stf::Progress& progress);
     void _WriteAovs();
     void _WriteAov(HdRenderPassAovBinding const& binding, std::vector<int32_t> const& primIds);
     bool _WantsDenoised() const;
@@ -102,6 +105,7 @@ private:
     HdStfWindow _window;
     bool _cameraUsable = false;
     bool _denoise = false;
+    stf::RenderSettings _settings;
     int _samplesWanted = 0;
     _Clock::time_point _start;
 

@@ -42,6 +42,20 @@ std::string _PlanJson(std::vector<stf::PlanEntry> const& plan) {
     return _Dump(list);
 }
 
+std::string _ForecastJson(std::vector<stf::ForecastEntry> const& forecast) {
+    nlohmann::json list = nlohmann::json::array();
+    for (stf::ForecastEntry const& f : forecast) {
+        list.push_back(
+            {{"object", f.entry.object},
+             {"stage", f.entry.stage},
+             {"runs", f.entry.runs},
+             {"why", f.entry.why},
+             {"estimatedSeconds", f.estimatedSeconds ? nlohmann::json(*f.estimatedSeconds) : nlohmann::json()},
+             {"seconds", nlohmann::json()}});
+    }
+    return _Dump(list);
+}
+
 std::string _MessagesJson(HdStfMessages const& messages) {
     nlohmann::json list = nlohmann::json::array();
     for (HdStfMessages::Message const& message : messages.Get()) {
@@ -78,7 +92,8 @@ VtDictionary HdStfMakeRenderStats(HdStfRenderJob::Progress const& progress, HdSt
     set(HdStfStatsTokens->renderProgressAnnotation, _Annotation(progress));
     set(HdStfStatsTokens->peakMemory, _PeakMemory());
 
-    set(HdStfStatsTokens->plan, _PlanJson(progress.plan));
+    set(HdStfStatsTokens->plan,
+        progress.forecast.empty() ? _PlanJson(progress.plan) : _ForecastJson(progress.forecast));
     set(HdStfStatsTokens->messages, _MessagesJson(messages));
     set(HdStfStatsTokens->loadSeconds, progress.stats.loadSeconds);
     set(HdStfStatsTokens->precomputeSeconds, progress.stats.precomputeSeconds);

@@ -14,6 +14,19 @@ std::unique_ptr<ContentStore> tableStore(const std::string& folder) {
     return std::make_unique<ContentStore>((parent / "tables").string(), cacheLimit().bytes);
 }
 
+namespace {
+std::string keyOf(const BaseVolume& volume, const TransportOptions& options) {
+    return volume.contentHash() + ";" + options.key();
+}
+} // namespace
+
+TableKept tablesKept(const std::string& folder) {
+    const std::shared_ptr<const ContentStore> store = tableStore(folder);
+    return [store](const BaseVolume& volume, const TransportOptions& options) {
+        return std::filesystem::exists(store->pathOf(keyOf(volume, options)));
+    };
+}
+
 TableProvider cachedTables(std::string folder) {
     struct State {
         std::unique_ptr<ContentStore> store;
@@ -28,14 +41,16 @@ TableProvider cachedTables(std::string folder) {
         if (!state->complaint.empty() && !state->complained.exchange(true)) {
             report(messages, Severity::Warning, state->complaint);
         }
-        const std::string key = volume->contentHash() + ";" + options.key();
+        const std::string key = keyOf(*volume, options);
         std::shared_ptr<const StfTable> table;
         StoreRecipe recipe;
-        recipe.read = [&](const std::shared_ptr<const StoreEntry>& entry) {
-            // The table keeps its entry: it may read parts of the file later.
-            table = {new StfTable(readTable(entry->path(), key)), [entry](const StfTable* t) { delete t; }};
-        };
         bool made = false;
+        recipe.read = [&](const std::shared_ptr<const StoreEntry>& entry) {
+            auto read = std::make_unique<StfTable>(readTable(entry->path(), key));
+            read->madeNow = made;
+            // The table keeps its entry: it may read parts of the file later.
+            table = {read.release(), [entry](const StfTable* t) { delete t; }};
+        };
         recipe.make = [&] {
             made = true;
             table = std::make_shared<const StfTable>(precompute(*volume, options, progress, messages));

@@ -46,8 +46,13 @@ Dipole::Dipole(double sigmaA, double sigmaSPrime) {
     h_ = std::make_shared<HFunction>(sigmaA / total);
     diffuseAlbedo_ = h_->diffuseReflectance();
     auto table = std::make_shared<std::vector<float>>();
-    firstEntry_ = bitsOf(kLowestR2) >> kFractionBits;
-    for (std::uint32_t i = firstEntry_; i <= (bitsOf(kHighestR2) >> kFractionBits) + 1; ++i) {
+    // In the medium's own unit, so that microscopic and astronomic media have the same digits; a power of two, so that
+    // the table of a medium is that of the medium in other units.
+    const float unit = float(std::exp2(2 * std::round(std::log2(1 / total))));
+    lowestR2_ = kLowest * unit;
+    highestR2_ = kHighest * unit;
+    firstEntry_ = bitsOf(lowestR2_) >> kFractionBits;
+    for (std::uint32_t i = firstEntry_; i <= (bitsOf(highestR2_) >> kFractionBits) + 1; ++i) {
         table->push_back(kernel(fromBits(i << kFractionBits)));
     }
     table_ = table;

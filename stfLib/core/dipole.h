@@ -35,7 +35,7 @@ public:
         if (black_) {
             return 0;
         }
-        const float clamped = std::min(std::max(r2, kLowestR2), kHighestR2);
+        const float clamped = std::min(std::max(r2, lowestR2_), highestR2_);
         std::uint32_t bits = 0;
         std::memcpy(&bits, &clamped, sizeof bits);
         const float* const entry = table_->data() + ((bits >> kFractionBits) - firstEntry_);
@@ -55,10 +55,11 @@ public:
 private:
     // The table is linear within 1/32 of an octave of r2: its index is the top of the float's own bits.
     static constexpr int kFractionBits = 18;
-    static constexpr float kLowestR2 = 0x1p-20f, kHighestR2 = 0x1p40f;
+    static constexpr float kLowest = 0x1p-20f, kHighest = 0x1p40f; ///< of r2 in about squared mean free paths
 
     bool black_ = false;
     std::uint32_t firstEntry_ = 0;
+    float lowestR2_ = kLowest, highestR2_ = kHighest; ///< mm^2, of the table
     float albedo_ = 0, transport_ = 0, zReal_ = 0, zVirtual_ = 0;
     double diffuseAlbedo_ = 0;
     std::shared_ptr<const HFunction> h_;

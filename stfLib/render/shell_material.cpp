@@ -242,7 +242,7 @@ void ShellMaterials::addTransport(const StfBinding& binding, const ShellStage& s
     o.table = transport.table;
     o.medium = transport.medium;
     stage.stats.precomputeSeconds += timer.seconds();
-    const bool read = !kept && o.table->fileBytes > 0;
+    const bool read = !kept && o.table->fileBytes > 0 && !o.table->madeNow;
     stage.note("transport", !kept && !read && o.medium->scatters(),
                describe(*o.table, *o.medium) + (kept   ? "; already in memory"
                                                 : read ? "; kept from an earlier run"

@@ -62,6 +62,7 @@ public:
     /// Of all parts, whether they were read or not; from the header of a table that was read.
     std::size_t bytes() const;
     std::size_t fileBytes = 0;   ///< on disk; 0 where it was not read from a file
+    bool madeNow = false;        ///< read back right after this process had computed it
     std::size_t headerBytes = 0; ///< as `bytes` of a table read from a file (set by the reader)
 };
 

@@ -15,6 +15,8 @@ namespace {
 using openvdb::tools::Dense;
 using openvdb::tools::LayoutXYZ;
 
+constexpr double kSmallestVoxelMm3 = 1e-14;
+
 openvdb::CoordBBox boxOf(const Vec3i& size) {
     return {openvdb::Coord(0, 0, 0), openvdb::Coord(size.x - 1, size.y - 1, size.z - 1)};
 }
@@ -30,10 +32,14 @@ openvdb::GridBase::Ptr make(const std::vector<T>& values, const Vec3i& size, con
     // Tolerance 0 keeps every value; inactive background would be lost where a value equals it.
     openvdb::tools::copyFromDense(dense, grid->tree(), openvdb::zeroVal<Value>());
     // Cell-centred: the middle of voxel (i, j, k) is at (i + 1/2, ...) voxel sizes.
-    auto map = openvdb::math::Transform::createLinearTransform();
-    map->preScale(openvdb::Vec3d(voxelMm.x, voxelMm.y, voxelMm.z));
-    map->postTranslate(openvdb::Vec3d(0.5 * voxelMm.x, 0.5 * voxelMm.y, 0.5 * voxelMm.z));
-    grid->setTransform(map);
+    // OpenVDB takes a volume of less than 1e-15 for singular: such a grid keeps its index space, for the size that
+    // counts is that of the metadata.
+    if (voxelMm.x * voxelMm.y * voxelMm.z > kSmallestVoxelMm3) {
+        auto map = openvdb::math::Transform::createLinearTransform();
+        map->preScale(openvdb::Vec3d(voxelMm.x, voxelMm.y, voxelMm.z));
+        map->postTranslate(openvdb::Vec3d(0.5 * voxelMm.x, 0.5 * voxelMm.y, 0.5 * voxelMm.z));
+        grid->setTransform(map);
+    }
     // For other programs: vectors are colours, that turn with nothing.
     grid->setVectorType(openvdb::VEC_INVARIANT);
     return grid;

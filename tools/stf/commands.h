@@ -8,7 +8,7 @@
 namespace stf {
 
 /// Exit codes of all commands.
-enum ExitCode { kDone = 0, kFailed = 2, kUsage = 64 };
+enum ExitCode { kDone = 0, kChecksFailed = 1, kFailed = 2, kUsage = 64 };
 
 /// Each adds one command to the program; the callback does the work and throws stf::Error on failure.
 void addMakeCommand(CLI::App& app);
@@ -22,6 +22,8 @@ void addMaterialsCommand(CLI::App& app);
 void addShellCommand(CLI::App& app);
 void addSynthesizeCommand(CLI::App& app);
 void addAcquireCommand(CLI::App& app);
+void addPlanCommand(CLI::App& app);
+void addStabilityCommand(CLI::App& app);
 
 /// Each adds one command to the group `stf acquire`.
 void addAcquireMeshCommand(CLI::App& group);

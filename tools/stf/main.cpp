@@ -21,9 +21,13 @@ int main(int argc, char** argv) {
     stf::addShellCommand(app);
     stf::addSynthesizeCommand(app);
     stf::addAcquireCommand(app);
+    stf::addPlanCommand(app);
+    stf::addStabilityCommand(app);
     try {
         app.parse(argc, argv);
         return stf::kDone;
+    } catch (const CLI::RuntimeError& e) {
+        return e.get_exit_code(); // a command that found something wrong and said so
     } catch (const CLI::ParseError& e) {
         return app.exit(e) == 0 ? stf::kDone : stf::kUsage;
     } catch (const stf::Cancelled&) {
