@@ -54,6 +54,15 @@ Rgb SceneRays::fromWithin(Vec3f origin, LightSample light) {
     return left;
 }
 
+Rgb SceneRays::throughSurface(const PreparedInstance& instance, const Ray& ray, const RayHit& hit) {
+    if (!instance.material || instance.material->opaque()) {
+        return Rgb(0.0f);
+    }
+    const Surfel surfel = surfelAt(instance, ray, hit);
+    const PreviewPoint at = instance.material->at(uvAt(*instance.mesh->surface, hit), surfel.albedo);
+    return PreviewBsdf(at).through({0, 0, dot(surfel.normal, ray.direction)});
+}
+
 Rgb SceneRays::throughSurfaces(Ray ray) {
     Rgb left(1.0f);
     for (int i = 0; i < kMaxClearSurfaces; ++i) {
@@ -62,12 +71,7 @@ Rgb SceneRays::throughSurfaces(Ray ray) {
             return left;
         }
         const PreparedInstance& instance = this->instance(hit.instance);
-        if (instance.mesh->shell || !instance.material || instance.material->opaque()) {
-            return Rgb(0.0f);
-        }
-        const Surfel surfel = surfelAt(instance, ray, hit);
-        const PreviewPoint at = instance.material->at(uvAt(*instance.mesh->surface, hit), surfel.albedo);
-        left *= PreviewBsdf(at).through({0, 0, dot(surfel.normal, ray.direction)});
+        left *= instance.mesh->shell ? Rgb(0.0f) : throughSurface(instance, ray, hit);
         if (!(maxComponent(left) > 0)) {
             return left;
         }

@@ -43,6 +43,8 @@ public:
     void setWayOut(WayOut wayOut) { wayOut_ = std::move(wayOut); }
     /// The share of a light that arrives at a point (world): 0 or 1, but for surfaces that are not opaque.
     Rgb visibility(const Vec3f& origin, const LightSample& light);
+    /// What a surface that is no shell lets pass straight on: 0 where it is opaque.
+    static Rgb throughSurface(const PreparedInstance& instance, const Ray& ray, const RayHit& hit);
     /// At most kMaxLightsPerPath of the lights, with their weights; returns how many.
     int chooseLights(const Vec3f& point, const Vec3f& normal, PixelSampler& sampler, LightPick* picks) const;
 
