@@ -18,6 +18,10 @@ constexpr float kLost = 2;
 constexpr float kRoot = 1e-4f, kWrongSide = 0.02f, kLeastStep = 0.05f;
 /// Light on a straight way of which less is left goes on with the chance that makes up for it.
 constexpr float kFaint = 0.1f;
+/// A path that rounding lets slip through a surface must not go on scattering where nothing ends it: no medium is
+/// further outside of the tile than this share of its depth, and flights that end nearer to a boundary than positions
+/// are exact (relative to the object's extent, and to the flight) cross it.
+constexpr float kOutside = 0.05f, kPosition = 5e-7f, kFlight = 1e-6f;
 
 float sum(const Rgb& c) {
     return c.x + c.y + c.z;
@@ -46,6 +50,7 @@ ShellWalk::ShellWalk(const ShellObject& object, std::shared_ptr<const ReferenceM
       majorant_(medium_->majorant() * object.mmPerUnit), lift_(1e-3f * object.grid->voxelSize()),
       rim_(4 * object.thicknessMm / object.mmPerUnit), reach_(kLost * object.surface->bounds.diagonal()),
       middle_((object.surface->bounds.lo + object.surface->bounds.hi) * 0.5f),
+      rounding_(kPosition * (length(middle_) + 0.5f * object.surface->bounds.diagonal())),
       refractingRelief_(medium_->refracts() && medium_->hasRelief()) {
     if (!object.coreBlack) {
         const double perUnit = double(object.mmPerUnit);
@@ -294,9 +299,14 @@ bool ShellWalk::scatter(State& s, const WalkVertex& vertex, const Rgb& extinctio
     return false;
 }
 
+bool ShellWalk::hasMedium(const Vec3f& point, Vec3f& mm) {
+    const float beside = kOutside * object_.thicknessMm;
+    return space_->locate(point, mm) && mm.z > -beside && mm.z < object_.thicknessMm + beside && medium_->inside(mm);
+}
+
 bool ShellWalk::collide(State& s, Rgb& throughput, WalkVisitor& visitor, CounterRng& rng, Rgb& shone) {
     Vec3f mm;
-    if (!space_->locate(s.origin, mm) || !medium_->inside(mm)) {
+    if (!hasMedium(s.origin, mm)) {
         return true;
     }
     const std::size_t voxel = medium_->voxelAt(mm);
@@ -343,7 +353,7 @@ ShellWalk::Outcome ShellWalk::follow(State& s, Rgb& throughput, WalkVisitor& vis
                     break;
                 }
             }
-            if (!(t + flight < tEnd)) {
+            if (!(t + flight < tEnd * (1 - kFlight) - rounding_)) {
                 const Event e = bound(s, bounded, hit, tEnd, out, [&](const Vec3f& n, const Vec3f& f, float ior) {
                     return interface(s, n, f, ior, rng);
                 });
@@ -425,7 +435,7 @@ Rgb ShellWalk::estimateStraight(State s, CounterRng& rng, Outcome& out) {
                 s.region = s.region == Region::Void ? Region::Material : Region::Void;
                 break;
             }
-            if (!(t + flight < tEnd)) {
+            if (!(t + flight < tEnd * (1 - kFlight) - rounding_)) {
                 const Event e = bound(s, bounded, hit, tEnd, out, [&](const Vec3f& n, const Vec3f& f, float ior) {
                     left *= transmit(s, n, f, ior);
                     return true;
@@ -440,7 +450,7 @@ Rgb ShellWalk::estimateStraight(State s, CounterRng& rng, Outcome& out) {
             }
             t = next;
             Vec3f mm;
-            if (space_->locate(from + s.direction * t, mm) && medium_->inside(mm)) {
+            if (hasMedium(from + s.direction * t, mm)) {
                 left *= Rgb(1.0f) - medium_->extinction(medium_->voxelAt(mm)) / medium_->majorant();
                 if (!survives(left, rng)) {
                     return left;

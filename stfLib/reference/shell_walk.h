@@ -92,6 +92,8 @@ private:
     bool belongsToShell(const State& state);
     Rgb straightOut(State state, CounterRng& rng, Outcome& out);
     Rgb estimateStraight(State state, CounterRng& rng, Outcome& out);
+    /// Whether the shell's medium is at a point, and where that is in the tile (mm).
+    bool hasMedium(const Vec3f& point, Vec3f& mm);
     bool collide(State& state, Rgb& throughput, WalkVisitor& visitor, CounterRng& rng, Rgb& shone);
     bool scatter(State& state, const WalkVertex& vertex, const Rgb& extinction, const Rgb& scattering, float majorant,
                  Rgb& throughput, WalkVisitor& visitor, CounterRng& rng);
@@ -110,6 +112,7 @@ private:
     float lift_, rim_, reach_;
     float iorAbove_ = 1;
     Vec3f middle_;
+    float rounding_;
     bool refractingRelief_;
     std::uint64_t rays_ = 0;
 };
