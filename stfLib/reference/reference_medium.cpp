@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stfLib/reference/reference_medium.h"
 
+#include <algorithm>
 #include <numeric>
 
 namespace stf {
@@ -21,7 +22,8 @@ std::size_t ReferenceMedium::wrapped(int x, int y, int z) const {
 
 ReferenceMedium::ReferenceMedium(std::shared_ptr<const BaseVolume> volume) : volume_(std::move(volume)) {
     const BaseVolume& v = *volume_;
-    relief_ = v.hasRelief();
+    // Voids without a distance are void by their coefficients.
+    relief_ = std::any_of(v.surface.begin(), v.surface.end(), [](float d) { return d >= 0; });
     const std::size_t count = v.voxelCount();
     if (relief_) {
         stand_.resize(count);

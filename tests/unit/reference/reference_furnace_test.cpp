@@ -59,13 +59,24 @@ std::vector<float> picture(const Furnace& f, const std::string& integrator, int 
 
 class ReferenceFurnace : public testing::TestWithParam<Furnace> {};
 
-// Paths carry the sum of their channels on whatever happens; only the channels' shares are by chance, where the core
-// treats them differently.
+// Where the surface refracts no sample of the dome is taken: every path carries the sum of its channels to it, exactly.
+// Elsewhere lights are asked for, and it is right on average.
 TEST_P(ReferenceFurnace, IsInvisible) {
-    const std::vector<float> p = picture(GetParam(), "reference", 16);
+    const bool exact = GetParam().ior != 1;
+    const std::vector<float> p = picture(GetParam(), "reference", exact ? 16 : 256);
+    double sum = 0, squares = 0;
+    const double n = double(p.size() / 4);
     for (std::size_t i = 0; i < p.size(); i += 4) {
-        ASSERT_NEAR((p[i] + p[i + 1] + p[i + 2]) / 3, 1, 2e-5) << "pixel " << i / 4;
+        const double mean = double(p[i] + p[i + 1] + p[i + 2]) / 3;
+        if (exact) {
+            ASSERT_NEAR(mean, 1, 2e-5) << "pixel " << i / 4;
+        }
+        sum += mean / n;
+        squares += mean * mean / n;
     }
+    const double error = std::sqrt(std::max(0.0, squares - sum * sum) / (n - 1));
+    EXPECT_LT(error, 0.01);
+    EXPECT_NEAR(sum, 1, 4 * error + 2e-5);
 }
 INSTANTIATE_TEST_SUITE_P(Cases, ReferenceFurnace,
                          testing::Values(Furnace{false, 1}, Furnace{false, 1.5}, Furnace{true, 1}, Furnace{true, 1.4}));
