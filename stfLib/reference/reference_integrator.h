@@ -35,7 +35,7 @@ private:
     enum class Asked { Nothing, Straight, Cones };
     struct Visited {
         Asked asked = Asked::Nothing;
-        Vec3f point; ///< world
+        Vec3f point;     ///< world
         float share = 1; ///< of lights that cones find
     };
 
@@ -64,9 +64,9 @@ private:
     PixelSample out_;
     LightPath path_;
     Visited visited_;
-    bool reflected_ = false;                    ///< by the surface of the shell that was seen
-    const PreparedInstance* inside_ = nullptr;  ///< of the walk
-    LightCones cones_;                          ///< of the vertex
+    bool reflected_ = false;                   ///< by the surface of the shell that was seen
+    const PreparedInstance* inside_ = nullptr; ///< of the walk
+    LightCones cones_;                         ///< of the vertex
 };
 
 } // namespace stf

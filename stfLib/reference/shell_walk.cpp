@@ -278,8 +278,8 @@ ShellWalk::Event ShellWalk::bound(State& s, bool bounded, const RayHit& hit, flo
 }
 
 // A tentative collision with chances by the channels' mean. False: absorbed.
-bool ShellWalk::scatter(State& s, const WalkVertex& vertex, const Rgb& extinction, const Rgb& scattering, float majorant,
-                        Rgb& throughput, WalkVisitor& visitor, CounterRng& rng) {
+bool ShellWalk::scatter(State& s, const WalkVertex& vertex, const Rgb& extinction, const Rgb& scattering,
+                        float majorant, Rgb& throughput, WalkVisitor& visitor, CounterRng& rng) {
     const float all = sum(throughput) * majorant;
     const Rgb scattered = throughput * scattering, passed = throughput * (Rgb(majorant) - extinction);
     const float chance = sum(scattered) / all, pass = sum(passed) / all, u = rng.uniform();
@@ -422,9 +422,8 @@ Rgb ShellWalk::estimateStraight(State s, CounterRng& rng, Outcome& out) {
             const float flight = majorant > 0 ? rng.exponential() / majorant : kEndless;
             const float next = std::min(t + flight, tEnd);
             bool lost = false;
-            const float root = refractingRelief_ && s.region != Region::Core
-                                   ? crossing(s, t, next, lost)
-                                   : std::numeric_limits<float>::infinity();
+            const float root = refractingRelief_ && s.region != Region::Core ? crossing(s, t, next, lost)
+                                                                             : std::numeric_limits<float>::infinity();
             if (root <= next) {
                 s.origin = from + s.direction * root;
                 s.onSurface = false;

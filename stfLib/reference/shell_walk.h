@@ -48,7 +48,7 @@ public:
         Vec3f origin, direction; ///< object space, unit
         Region region = Region::Material;
         bool onSurface = false;
-        int interfaces = 0;   ///< refracted by or reflected at since the last vertex
+        int interfaces = 0; ///< refracted by or reflected at since the last vertex
         int scatterings = 0;
         bool metCore = false;
     };
@@ -106,7 +106,7 @@ private:
     const ShellObject& object_;
     std::shared_ptr<const ReferenceMedium> medium_;
     ShellSpace walkSpace_, straightSpace_;
-    ShellSpace* space_ = &walkSpace_; ///< of what is being followed
+    ShellSpace* space_ = &walkSpace_;                 ///< of what is being followed
     Rgb coreExtinction_{0.0f}, coreScattering_{0.0f}; ///< per object unit
     float coreMajorant_ = 0, majorant_;               ///< per object unit
     float lift_, rim_, reach_;

@@ -3,57 +3,74 @@
 
 #include "stfLib/base/parallel.h"
 #include "stfLib/base/sampler.h"
-#include "stfLib/core/core_solver.h"
+#include "stfLib/core/local_thickness.h"
 #include "stfLib/optics/fresnel.h"
+#include "stfLib/render/plain_shader.h"
 #include "stfLib/render/shell_march.h"
 #include "stfLib/transport/lateral_filter.h"
 #include "stfLib/transport/tile_tracer.h"
 
-#include <numeric>
+#include <algorithm>
+#include <cstdio>
 
 namespace stf {
 
 namespace {
 
 constexpr float kPi = 3.14159265358979f;
-constexpr std::size_t kMinSamples = 400, kMaxSamples = 2200;
-constexpr int kDomeSamples = 96, kNearSamples = 8;
-constexpr int kMaxLights = 32; ///< of a sample of the core; more are chosen from
+constexpr std::size_t kMinSamples = 400;
+constexpr std::size_t kMaxSamples = 24'000; ///< more take longer than they show
+constexpr double kSpacing = 0.5;                      ///< of the spread length, between samples
+constexpr double kFinestSpacing = 0.45;               ///< the same where thin parts ask for more
+constexpr std::size_t kProbes = 300;                  ///< of the thickness
+constexpr float kFilterSpacings = 1.8f;               ///< radius within which samples make the exitance of a point
+constexpr std::uint64_t kBounceSeed = 0x626f756e6365; ///< apart from those of lights
+constexpr int kMaxLights = 32;                        ///< of a sample of the core; more are chosen from
+/// Rays to a dome, to another light and for bounced light: fewer per sample where samples are many, since the core
+/// mixes them anyway.
+constexpr std::size_t kDomeRays = 200'000, kNearRays = 80'000, kBounceRays = 65'000;
 
-// Points spread evenly by area over the inner boundary: strata of equal area along the list of triangles.
-struct BoundaryPoints {
-    std::vector<std::size_t> triangle;
-    std::vector<float> b1, b2;
-    double area = 0; // object units
-};
+int raysPerSample(std::size_t all, std::size_t samples, int least, int most) {
+    return std::clamp(int(all / std::max<std::size_t>(1, samples)), least, most);
+}
 
-BoundaryPoints spread(const ShellObject& o, std::size_t wanted, std::uint64_t seed) {
-    const std::vector<Vec3i>& triangles = o.surface->triangles;
-    const std::vector<Vec3f>& inner = o.boundary->inner;
-    std::vector<double> sum(triangles.size());
-    double total = 0;
-    for (std::size_t i = 0; i < triangles.size(); ++i) {
-        const Vec3d a(inner[std::size_t(triangles[i].x)]), b(inner[std::size_t(triangles[i].y)]),
-            c(inner[std::size_t(triangles[i].z)]);
-        total += 0.5 * length(cross(b - a, c - a));
-        sum[i] = total;
+// Where samples are chosen, so that they stay in place on a body that moves.
+const std::vector<Vec3f>& restPoints(const ShellObject& o) {
+    return o.pose ? o.pose->atRest().points : o.boundary->inner;
+}
+
+template<class T>
+std::string hashOf(const std::vector<T>& values) {
+    return contentHashOf({reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)});
+}
+
+// How many samples a core asks for: half the shortest length over which its light spreads apart, closer where a tenth
+// of the object is thinner than that.
+double wantedSamples(const ShellObject& o, std::uint64_t seed) {
+    double length = 1e30;
+    for (int c = 0; c < 3; ++c) {
+        if (o.core.sigmaSPrime[c] > 0) {
+            length = std::min(length, CoreResponse::spreadLength(o.core.sigmaA[c], o.core.sigmaSPrime[c]));
+        }
     }
-    BoundaryPoints p;
-    p.area = total;
-    if (!(total > 0)) {
-        return p;
+    double spacing = kSpacing * length;
+    if (!o.pose) {
+        const BoundarySamples probes = spreadSamples(o.boundary->inner, o.surface->triangles, kProbes, seed);
+        std::vector<float> thickness;
+        for (const TrianglePlace& p : probes.places) {
+            const Vec3i& t = o.surface->triangles[p.triangle];
+            thickness.push_back(localThickness(*o.rayMesh, pointAt(o.boundary->inner, t, p),
+                                               -normalize(pointAt(o.surface->normals, t, p))) *
+                                o.mmPerUnit);
+        }
+        if (!thickness.empty()) {
+            const auto tenth = thickness.begin() + std::ptrdiff_t(thickness.size() / 10);
+            std::nth_element(thickness.begin(), tenth, thickness.end());
+            spacing = std::min(spacing, std::max(0.7 * double(*tenth), kFinestSpacing* length));
+        }
     }
-    CounterRng rng(seed, 0x636f7265);
-    for (std::size_t i = 0; i < wanted; ++i) {
-        const double at = (double(i) + double(rng.uniform())) / double(wanted) * total;
-        const std::size_t t = std::min<std::size_t>(
-            triangles.size() - 1, std::size_t(std::upper_bound(sum.begin(), sum.end(), at) - sum.begin()));
-        const float r = std::sqrt(rng.uniform()), v = rng.uniform();
-        p.triangle.push_back(t);
-        p.b1.push_back(r * (1 - v));
-        p.b2.push_back(r * v);
-    }
-    return p;
+    const double units = double(o.mmPerUnit) * double(o.mmPerUnit);
+    return surfaceArea(restPoints(o), o.surface->triangles) * units / (spacing * spacing);
 }
 
 template<class T>
@@ -141,46 +158,102 @@ Vec3f jitterOnSurface(const RayMesh& mesh, const Vec3f& point, const Vec3f& norm
                : point;
 }
 
-std::vector<Rgb> coreRadiance(const ShellObject& o, const Transform& objectToWorld, const RayScene& scene,
-                              const LightSet& lights, float rounding, std::uint64_t seed, Progress& progress) {
-    const std::size_t points = o.surface->points.size();
-    // Samples about half a diffusion length apart, as far as a direct sum allows.
-    double diffusionLength = 1e30;
+std::shared_ptr<const ShellCore> ShellCores::prepare(const ShellObject& o, std::uint64_t seed, Progress& progress) {
+    char text[300];
+    const auto number = [&](double x) {
+        std::snprintf(text, sizeof text, "%.17g;", x);
+        return std::string(text);
+    };
+    std::string sampleKey = hashOf(restPoints(o)) + hashOf(o.surface->triangles) + number(double(seed));
+    std::string key = hashOf(o.boundary->inner) + number(double(o.mmPerUnit)) + number(double(int(o.coreModel)));
+    for (int c = 0; c < 3; ++c) {
+        key += number(o.core.sigmaA[c]) + number(o.core.sigmaSPrime[c]);
+    }
+    key += sampleKey;
+    std::shared_ptr<const ShellCore> core = cores_.find(key);
+    if (!core) {
+        auto made = std::make_shared<ShellCore>();
+        made->wanted = wantedSamples(o, seed);
+        const std::size_t count = std::size_t(std::clamp(made->wanted, double(kMinSamples), double(kMaxSamples)));
+        sampleKey += number(double(count));
+        made->samples = samples_.find(sampleKey);
+        if (!made->samples) {
+            made->samples = samples_.keep(sampleKey, spreadSamples(restPoints(o), o.surface->triangles, count, seed));
+        }
+        const CoreBoundary boundary{o.boundary->inner, o.surface->triangles, o.surface->normals,
+                                    *o.rayMesh,        *made->samples,       double(o.mmPerUnit)};
+        made->response = std::make_shared<const CoreResponse>(o.core, boundary, o.coreModel, seed, progress);
+        const SurfacePoints& samples = made->response->samples();
+        double area = 0;
+        for (float a : samples.areas) {
+            area += double(a);
+        }
+        std::vector<Vec3f> places = o.boundary->inner;
+        for (Vec3f& p : places) {
+            p *= o.mmPerUnit;
+        }
+        const double spacing = std::sqrt(area / double(std::max<std::size_t>(1, samples.areas.size())));
+        made->toSurface = SampleFilter(samples, places, o.surface->normals, {float(spacing) * kFilterSpacings});
+        int used = std::snprintf(text, sizeof text, "%zu samples %.3g mm apart", samples.areas.size(), spacing);
+        if (made->wanted > double(kMaxSamples)) {
+            used += std::snprintf(text + used, sizeof text - std::size_t(used), " (%.3g asked for, cut)", made->wanted);
+        }
+        if (const std::size_t walked = made->response->walkedSamples()) {
+            used +=
+                std::snprintf(text + used, sizeof text - std::size_t(used), ", %.0f %% thin, by %zu walks each",
+                              100.0 * double(walked) / double(samples.areas.size()), made->response->walksPerSample());
+        }
+        if (const std::size_t terms = made->response->meanTerms()) {
+            used += std::snprintf(text + used, sizeof text - std::size_t(used), ", dipoles of %zu terms", terms);
+        }
+        made->summary = text;
+        core = cores_.keep(key, std::move(made));
+    }
+    asked_.push_back(core);
+    return core;
+}
+
+void ShellCores::dropUnused() {
+    cores_.dropUnused();
+    samples_.dropUnused();
+    asked_.clear();
+}
+
+std::vector<Rgb> coreRadiance(const ShellCore& core, const ShellObject& o, const Transform& objectToWorld,
+                              const PreparedScene& scene, bool bounces, std::uint64_t seed, Progress& progress) {
+    const BoundarySamples& at = *core.samples;
+    const std::size_t count = at.count();
+    if (count == 0) {
+        return std::vector<Rgb>(o.surface->points.size(), Rgb(0.0f));
+    }
+    const LightSet& lights = scene.lights;
     const Dipole dipoles[3] = {{o.core.sigmaA.x, o.core.sigmaSPrime.x},
                                {o.core.sigmaA.y, o.core.sigmaSPrime.y},
                                {o.core.sigmaA.z, o.core.sigmaSPrime.z}};
-    for (const Dipole& d : dipoles) {
-        if (d.diffuseAlbedo() > 0) {
-            diffusionLength = std::min(diffusionLength, d.diffusionLength());
-        }
+    double areaMm2 = 0;
+    for (float a : core.response->samples().areas) {
+        areaMm2 += double(a);
     }
-    const double areaMm2 = spread(o, 0, seed).area * double(o.mmPerUnit) * double(o.mmPerUnit);
-    const double wanted = areaMm2 / (0.25 * diffusionLength * diffusionLength);
-    const std::size_t count = std::size_t(std::clamp(wanted, double(kMinSamples), double(kMaxSamples)));
-    const BoundaryPoints at = spread(o, count, seed);
-    if (at.triangle.empty()) {
-        return std::vector<Rgb>(points, Rgb(0.0f));
-    }
-
     const ColumnMaps maps(*o.table, 0.5 * std::sqrt(areaMm2 / double(count)));
-    CoreSamples s;
-    s.positions.resize(count);
-    s.areas.assign(count, float(areaMm2 / double(count)));
-    s.diffuse.assign(count, Rgb(0.0f));
-    s.direct = s.shellReflectance = s.diffuse;
+    CoreLight s(count);
     const Transform worldToObject = objectToWorld.inverse();
     const Vec3i size = o.table->size;
     const float offset = 1e-3f * o.grid->voxelSize();
+    const int domeSamples = raysPerSample(kDomeRays, count, 8, 96);
+    const int nearSamples = raysPerSample(kNearRays, count, 2, 8);
+    const int bounceSamples = bounces ? raysPerSample(kBounceRays, count, 4, 32) : 0;
 
     parallelFor(count, 16, [&](std::size_t begin, std::size_t end) {
         if (progress.cancelled()) {
             throw Cancelled();
         }
+        SceneRays rays(scene);
+        PlainShader plain(scene, rays);
         for (std::size_t i = begin; i < end; ++i) {
-            const Vec3i& tri = o.surface->triangles[at.triangle[i]];
-            const ShellLookup frame = frameAt(o, at.triangle[i], at.b1[i], at.b2[i]);
-            s.positions[i] = blend(o.boundary->inner, tri, at.b1[i], at.b2[i]) * o.mmPerUnit;
-            const Vec3f outer = blend(o.surface->points, tri, at.b1[i], at.b2[i]);
+            const TrianglePlace place = at.places[i];
+            const Vec3i& tri = o.surface->triangles[place.triangle];
+            const ShellLookup frame = frameAt(o, place.triangle, place.b1, place.b2);
+            const Vec3f outer = pointAt(o.surface->points, tri, place);
             const int ix = TileTracer::wrap(int(std::floor(frame.exemplar.x / float(o.volume->voxelMm.x))), size.x);
             const int iy = TileTracer::wrap(int(std::floor(frame.exemplar.y / float(o.volume->voxelMm.y))), size.y);
             const std::size_t column = std::size_t(ix) + std::size_t(size.x) * std::size_t(iy);
@@ -193,59 +266,69 @@ std::vector<Rgb> coreRadiance(const ShellObject& o, const Transform& objectToWor
 
             const Vec3f worldNormal = normalize(Vec3f(objectToWorld.normal(Vec3d(frame.normal))));
             const Vec3f worldPoint(objectToWorld.point(Vec3d(outer)));
+            const auto startAt = [&](const Vec3f& point) {
+                return Vec3f(objectToWorld.point(Vec3d(point + frame.normal * offset))) + worldNormal * scene.rounding;
+            };
+            // What a direction brings through the shell.
+            const auto shine = [&](const Vec3f& local, const Rgb& in) {
+                const DirectionWeights w = o.table->directions.weights(local);
+                const Rgb all = ColumnMaps::blend(maps.transmitted, column, w);
+                const Rgb direct = ColumnMaps::blend(maps.direct, column, w);
+                // The core has the index of the shell: what has not collided arrives at the refracted angle. Its share
+                // is that of the table's own, scaled medium (DESIGN 3.10).
+                const double cosine = double(fresnel(local.z, ior).cosT);
+                s.diffuse[i] += in * (all - direct);
+                for (int c = 0; c < 3; ++c) {
+                    const double diffuse = dipoles[c].diffuseAlbedo();
+                    // Without scattering there is no such ratio: what crosses the core counts as it is.
+                    const double ratio = diffuse > 0 ? dipoles[c].directAlbedo(cosine) / diffuse : 1.0;
+                    s.direct[i][c] += in[c] * direct[c] * float(ratio);
+                }
+            };
+            const auto inTile = [&](const Vec3f& towards) {
+                return tile.toTile(normalize(Vec3f(worldToObject.vector(Vec3d(towards)))));
+            };
             LightPick picks[kMaxLights];
             PixelSampler chooser(seed, i, 0);
             const int chosen = lights.choose(worldPoint, worldNormal, chooser.next1d(), kMaxLights, picks);
             for (int p = 0; p < chosen; ++p) {
                 const std::size_t l = picks[p].light;
-                const int n = lights.isDome(l) ? kDomeSamples : kNearSamples;
+                const int n = lights.isDome(l) ? domeSamples : nearSamples;
                 for (int k = 0; k < n; ++k) {
                     PixelSampler sampler(seed + 17 * l, i, std::uint32_t(k));
                     const Vec2f u = sampler.next2d(), v = sampler.next2d();
                     const LightSample light = lights.sample(l, worldPoint, worldNormal, u);
-                    const Vec3f towards = normalize(Vec3f(worldToObject.vector(Vec3d(light.towards))));
-                    const Vec3f local = tile.toTile(towards);
+                    const Vec3f local = inTile(light.towards);
                     if (!(local.z > 0) || !(maxComponent(light.irradiance) > 0)) {
                         continue;
                     }
-                    const Vec3f start =
-                        jitterOnSurface(*o.rayMesh, outer, frame.normal, o.blurRadiusMm / o.mmPerUnit, v);
-                    const Vec3f from =
-                        Vec3f(objectToWorld.point(Vec3d(start + frame.normal * offset))) + worldNormal * rounding;
-                    if (light.shadows && scene.occluded(shadowRay(from, light))) {
-                        continue;
+                    const Rgb visible = rays.visibility(
+                        startAt(jitterOnSurface(*o.rayMesh, outer, frame.normal, o.blurRadiusMm / o.mmPerUnit, v)),
+                        light);
+                    if (maxComponent(visible) > 0) {
+                        // A mesh that is a light is met by bounced rays as well: each way has its share.
+                        const float share = bounces ? PlainShader::besideBounced(light, worldNormal, 1) : 1.0f;
+                        shine(local, light.irradiance * visible * (share * picks[p].weight / float(n)));
                     }
-                    const DirectionWeights w = o.table->directions.weights(local);
-                    const Rgb all = ColumnMaps::blend(maps.transmitted, column, w);
-                    const Rgb direct = ColumnMaps::blend(maps.direct, column, w);
-                    const Rgb in = light.irradiance * (picks[p].weight / float(n));
-                    // The core has the index of the shell: what has not collided arrives at the refracted angle. Its
-                    // share is that of the table's own, scaled medium (DESIGN 3.10).
-                    const double cosine = double(fresnel(local.z, ior).cosT);
-                    s.diffuse[i] += in * (all - direct);
-                    for (int c = 0; c < 3; ++c) {
-                        const double diffuse = dipoles[c].diffuseAlbedo();
-                        if (diffuse > 0) {
-                            const double ratio = dipoles[c].directAlbedo(cosine) / diffuse;
-                            s.direct[i][c] += in[c] * direct[c] * float(ratio);
-                        }
-                    }
+                }
+            }
+            for (int k = 0; k < bounceSamples; ++k) {
+                PixelSampler sampler(seed + kBounceSeed, i, std::uint32_t(k));
+                const LightSample light = plain.bounced(startAt(outer), worldNormal, 1, sampler);
+                const Vec3f local = inTile(light.towards);
+                if (local.z > 0 && maxComponent(light.irradiance) > 0) {
+                    shine(local, light.irradiance / float(bounceSamples));
                 }
             }
         }
     });
 
-    CoreSolver solver(o.core, std::move(s));
+    CoreSolver solver(core.response, std::move(s));
     solver.solve(progress);
-    std::vector<Rgb> radiance(points);
-    parallelFor(points, 64, [&](std::size_t begin, std::size_t end) {
-        if (progress.cancelled()) {
-            throw Cancelled();
-        }
-        for (std::size_t i = begin; i < end; ++i) {
-            radiance[i] = solver.exitance(o.boundary->inner[i] * o.mmPerUnit) / kPi;
-        }
-    });
+    std::vector<Rgb> radiance = core.toSurface.apply(solver.exitance());
+    for (Rgb& r : radiance) {
+        r = r / kPi;
+    }
     return radiance;
 }
 

@@ -1,18 +1,44 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "stfLib/base/progress.h"
-#include "stfLib/render/light_set.h"
-#include "stfLib/render/shell_object.h"
+#include "stfLib/core/core_solver.h"
+#include "stfLib/render/prepared_scene.h"
+#include "stfLib/render/stage_cache.h"
+
+#include <string>
 
 namespace stf {
 
-/// Radiance that leaves the core of one instance (B / pi, tile units cancel), per point of its surface: lights shine
-/// through the shell onto samples of the inner boundary, the core's balance is solved there, and the exitance gathered
-/// at the points. Depends on lights, geometry and the instance's place, not on the camera. Deterministic.
-/// `rounding`: world units that shadow rays are lifted by. Throws Cancelled.
-std::vector<Rgb> coreRadiance(const ShellObject& object, const Transform& objectToWorld, const RayScene& scene,
-                              const LightSet& lights, float rounding, std::uint64_t seed, Progress& progress);
+/// The response of the core of a shell in its pose, and how exitance at its samples becomes that of the surface.
+struct ShellCore {
+    std::shared_ptr<const BoundarySamples> samples;
+    std::shared_ptr<const CoreResponse> response;
+    SampleFilter toSurface; ///< one place per point of the surface
+    double wanted = 0;      ///< samples that half a spread length asks for; `samples` may be fewer
+    std::string summary;    ///< for the plan
+};
+
+/// Cores of shells, kept as long as a shell is seen with the same boundary and core, so that an edit of a light costs
+/// the balance only. One thread at a time.
+class ShellCores {
+public:
+    /// Throws Cancelled.
+    std::shared_ptr<const ShellCore> prepare(const ShellObject& shell, std::uint64_t seed, Progress& progress);
+    /// Forgets what was not asked for since the last call.
+    void dropUnused();
+
+private:
+    StageCache<BoundarySamples> samples_;
+    StageCache<ShellCore> cores_;
+    std::vector<std::shared_ptr<const ShellCore>> asked_; ///< they hold their samples
+};
+
+/// Radiance that leaves the core of one instance (B / pi, tile units cancel), per point of its surface: lights, and
+/// plain surfaces where `bounces` is set, shine through the shell onto samples of the inner boundary, and the core's
+/// balance is solved there. Depends on the scene and the instance's place, not on the camera. Deterministic.
+/// Throws Cancelled.
+std::vector<Rgb> coreRadiance(const ShellCore& core, const ShellObject& object, const Transform& objectToWorld,
+                              const PreparedScene& scene, bool bounces, std::uint64_t seed, Progress& progress);
 
 /// A point of the surface moved by a random step of at most `radius` (object units) within the tangent plane and put
 /// back onto the surface; the point itself where the step leaves it. Visibility for multiple scattering starts there.

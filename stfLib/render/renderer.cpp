@@ -25,11 +25,11 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr int kTile = 16;                              // pixels
 constexpr std::size_t kMostEmitterTriangles = 8000000; // eight bytes each
-const char* const kTables = "stf"; // integrators
+const char* const kTables = "stf";                     // integrators
 const char* const kTraced = "reference";
 /// Full angle, degrees, of a distant light whose disc is too small for paths that are refracted to meet.
 constexpr float kLeastMetAngle = 4.1f;
-constexpr int kBlock = 4;                              // pixels, of rays that are traced together
+constexpr int kBlock = 4; // pixels, of rays that are traced together
 static_assert(kBlock * kBlock == kMostTogether && kTile % kBlock == 0);
 
 double since(Clock::time_point start) {
@@ -55,7 +55,8 @@ PixelFilter filterOf(const RenderSettings& settings) {
 
 struct Renderer::Impl {
     Impl(TableProvider tables, MapProvider maps, PathTracerProvider traced)
-        : reference(std::move(traced)), builder(tables ? std::move(tables) : TableProvider(computeTable), std::move(maps),
+        : reference(std::move(traced)),
+          builder(tables ? std::move(tables) : TableProvider(computeTable), std::move(maps),
                   [this](Severity s, const std::string& text) { say(s, text); }) {}
 
     // Each text once: a host prepares again after every edit.
@@ -89,7 +90,8 @@ struct Renderer::Impl {
     std::shared_ptr<const PlainMaterial> materialOf(const SceneMesh& mesh, const Scene& source);
     bool traces() const { return settings.integrator != kTables; }
     LightSet lightsOf(const Scene& source);
-    void sampleBlock(Integrator& integrator, PathTracer* traced, int x0, int y0, std::uint32_t pass, const RayCone& cone, bool motion);
+    void sampleBlock(Integrator& integrator, PathTracer* traced, int x0, int y0, std::uint32_t pass,
+                     const RayCone& cone, bool motion);
     void restartSampling() {
         adaptive.restart(film.width(), film.height());
         passDone.assign(std::size_t(film.width()) * std::size_t(film.height()), 0);
@@ -107,6 +109,7 @@ struct Renderer::Impl {
     PathTracerProvider reference;
     PathTracerMaker tracer; ///< of the prepared scene, where it is path traced
     ShellBuilder builder;
+    ShellCores cores;
     std::map<std::string, Kept> kept;
     TextureStore textures;
     std::map<std::string, std::shared_ptr<const PlainMaterial>> materials; // of what is drawn
@@ -433,8 +436,11 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
     Impl& s = *impl_;
     setThreadCount(s.settings.threads);
     s.prepareStart = Clock::now();
-    if (s.scene && source.version() == s.preparedVersion && s.settings.quality == s.preparedSettings.quality &&
-        s.settings.transport == s.preparedSettings.transport &&
+    // Whether surfaces give light back at all, cores have to know.
+    const bool coresStay =
+        !s.scene || !s.scene->surfacesBounce || (s.settings.maxDepth > 0) == (s.preparedSettings.maxDepth > 0);
+    if (s.scene && coresStay && source.version() == s.preparedVersion &&
+        s.settings.quality == s.preparedSettings.quality && s.settings.transport == s.preparedSettings.transport &&
         s.settings.integrator == s.preparedSettings.integrator && s.settings.seed == s.preparedSettings.seed &&
         (!s.hasMotion || s.camera.optics().shutter == s.preparedShutter)) {
         if (s.settings.maxDepth != s.preparedSettings.maxDepth) {
@@ -494,22 +500,27 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
     // The core depends on lights and on whatever throws shadows: any edit of those solves it again, the camera does
     // not.
     const auto coreStart = Clock::now();
+    const bool bounces = s.scene->surfacesBounce && s.settings.maxDepth > 0;
     int solved = 0;
+    std::string summary;
     for (PreparedInstance& i : s.scene->instances) {
         const ShellObject* shell = i.mesh->shell.get();
-        if (shell && !s.traces() && !shell->coreBlack && (s.scene->lights.count() > 0 || emits(i))) {
+        if (shell && !s.traces() && !shell->coreBlack && (s.scene->lights.count() > 0 || emits(i) || bounces)) {
             ++solved;
-            i.core =
-                shell->grid->spreadCoreRadiance(coreRadiance(*shell, i.objectToWorld, *s.scene->rays, s.scene->lights,
-                                                             s.scene->rounding, s.settings.seed, progress));
+            const std::shared_ptr<const ShellCore> core = s.cores.prepare(*shell, s.settings.seed, progress);
+            i.core = shell->grid->spreadCoreRadiance(
+                coreRadiance(*core, *shell, i.objectToWorld, *s.scene, bounces, s.settings.seed, progress));
+            summary = summary.empty() ? core->summary : summary;
         }
     }
+    s.cores.dropUnused();
     s.stats.coreSeconds += since(coreStart);
-    s.scenePlan.push_back({"scene", "core", solved > 0,
-                           solved       ? "solved for lights and geometry, instances: " + std::to_string(solved)
-                           : s.traces() ? "path traced"
-                                  : "no lit shell with a core that scatters",
-                           since(coreStart)});
+    s.scenePlan.push_back(
+        {"scene", "core", solved > 0,
+         solved ? "solved for lights and geometry, instances: " + std::to_string(solved) + ", the first: " + summary
+         : s.traces() ? "path traced"
+                      : "no lit shell with a core that scatters",
+         since(coreStart)});
     // What is held now, not what was ever made: edits replace tables and grids.
     s.stats.tableBytes = s.stats.shellBytes = 0;
     std::set<const StfTable*> tables;

@@ -38,8 +38,8 @@ struct RenderSettings {
         return samples == s.samples && seed == s.seed && errorTarget == s.errorTarget && threads == s.threads &&
                quality == s.quality && transport == s.transport && maxDepth == s.maxDepth &&
                indirectClamp == s.indirectClamp && pixelFilter == s.pixelFilter &&
-               pixelFilterWidth == s.pixelFilterWidth && depthOfField == s.depthOfField &&
-               integrator == s.integrator && motionBlur == s.motionBlur;
+               pixelFilterWidth == s.pixelFilterWidth && depthOfField == s.depthOfField && integrator == s.integrator &&
+               motionBlur == s.motionBlur;
     }
 };
 

@@ -45,7 +45,7 @@ float ShellMarch::iorAt(const Vec3f& point, std::uint32_t triangle) {
 
 bool ShellMarch::firstSight(const ReliefEntry& entry, ReliefSight& out) {
     PixelSampler sampler(0, 0, 0); // nothing depends on it
-    tiles_.front().begin(sampler, TileMarch::Shift::None);
+    tiles_.front().begin(sampler, {0, 0});
     return ReliefMarch(object_, probe_, tiles_.front(), nullptr, 0, nullptr, 0, sampler).firstSight(entry, out);
 }
 
@@ -146,7 +146,7 @@ float ShellMarch::iorWithin(const Vec3f& point, const ShellLookup& at) const {
 ReliefRadiance ShellMarch::marchRelief(const ReliefEntry& entry, float footprintMm, const ShellLight* lights,
                                        int lightCount, PixelSampler& sampler) {
     TileMarch& tile = tiles_.front(); // a relief has no coarser levels
-    tile.begin(sampler);
+    tile.begin(sampler, TileMarch::shiftFor(footprintMm, object_.medium->voxelMm()));
     return ReliefMarch(object_, probe_, tile, core_, object_.grid->levelFor(footprintMm), lights, lightCount, sampler)
         .march(entry);
 }
@@ -164,7 +164,7 @@ ShellRadiance ShellMarch::march(const Vec3f& entry, std::uint32_t triangle, cons
     const int level = o.grid->levelFor(footprintMm);
     const float step = o.grid->voxelSize(level);
     TileLights tileLights(lights, lightCount);
-    tile.begin(sampler);
+    tile.begin(sampler, TileMarch::shiftFor(footprintMm, voxelMm));
     probe_.enter(triangle);
 
     ShellRadiance result;

@@ -55,13 +55,20 @@ CoreMaterial coreOf(const StfBinding& binding, const BaseVolume& volume, std::st
         minComponent(core.sigmaSPrime) < 0) {
         throw Error("core coefficients must be finite and not negative");
     }
-    why = core.scatters() ? "dipole" : "the core does not scatter";
+    why = core.scatters() ? binding.coreModel == "auto" ? "dipole; walks where the core is thin" : binding.coreModel
+                          : "the core does not scatter";
     return core;
 }
 
 // Whether pictures are path traced, without tables.
 bool isTraced(const ShellStage& stage) {
     return stage.settings.integrator != RenderSettings().integrator;
+}
+
+CoreModel modelOf(const StfBinding& binding) {
+    return binding.coreModel == "dipole" ? CoreModel::Dipole
+           : binding.coreModel == "walk" ? CoreModel::Walk
+                                         : CoreModel::Auto;
 }
 
 // The form that a binding, or else the render setting asks for.
@@ -293,6 +300,7 @@ void ShellMaterials::prepare(const StfBinding& binding, double metersPerUnit, co
     crop(binding, stage, o);
     std::string coreWhy;
     o.core = coreOf(binding, *o.volume, coreWhy, stage.messages);
+    o.coreModel = modelOf(binding);
     o.coreBlack = !o.core.scatters();
     addTransport(binding, stage, o);
     stage.note("core", !o.coreBlack, coreWhy, 0);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "stfLib/core/dipole.h"
+#include "stfLib/core/core_response.h"
 #include "stfLib/render/tile_pyramid.h"
 #include "stfLib/shell/posed_shell.h"
 #include "stfLib/surface/ray_scene.h"
@@ -33,6 +33,7 @@ struct ShellObject {
     std::shared_ptr<const RayMesh> rayMesh;
     std::vector<std::shared_ptr<const void>> stages; ///< what else it was made from: kept in memory with it
     CoreMaterial core;
+    CoreModel coreModel = CoreModel::Auto;
     bool coreBlack = true;
     float mmPerUnit = 1; ///< tile millimetres per object unit
     float thicknessMm = 0;

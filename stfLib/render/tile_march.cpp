@@ -55,9 +55,9 @@ TileMarch::TileMarch(const TileMedium& medium, const StfTable& table, const Hist
     }
 }
 
-void TileMarch::begin(PixelSampler& sampler, Shift shift) {
+void TileMarch::begin(PixelSampler& sampler, Vec2f shift) {
     const Vec2f first = sampler.next2d(), second = sampler.next2d(), third = sampler.next2d();
-    shift_ = shift == Shift::Random ? Vec2f(first.x - 0.5f, first.y - 0.5f) : Vec2f(0, 0);
+    shift_ = {shift.x * (first.x - 0.5f), shift.y * (first.y - 0.5f)};
     offset_ = {second.x - 0.5f, second.y - 0.5f};
     slopePick_ = third.x;
     flightPick_ = third.y;

@@ -47,12 +47,16 @@ public:
     /// `blend`: of the same medium and table, where points may show several places of the tile at once; or null.
     TileMarch(const TileMedium& medium, const StfTable& table, const HistogramBlend* blend = nullptr);
 
-    /// Whether a path sees the tile shifted at random by less than a voxel along x and y: the image is then that of
-    /// the voxels under a box filter of one voxel, so no single voxel shows its faces. `None`: the voxels as they are.
-    enum class Shift { Random, None };
-    /// Starts a path. Draws the same count of random numbers whatever `shift` says. Either way the table is read with
-    /// a lateral offset of its own, which makes the expectation bilinear in x and y.
-    void begin(PixelSampler& sampler, Shift shift = Shift::Random);
+    /// Starts a path. It sees the tile shifted at random by up to half of `shift` voxels along x and y: the image is
+    /// then that of the voxels under a box filter so wide, and no single voxel shows its faces. Pixels that are as wide
+    /// as voxels need none (`shiftFor`); 0: the voxels as they are. Draws the same count of random numbers for any. The
+    /// table is read with a lateral offset of its own, which makes its expectation bilinear in x and y.
+    void begin(PixelSampler& sampler, Vec2f shift = {1, 1});
+    /// What a pixel of this width lacks to a voxel's, in voxels.
+    static Vec2f shiftFor(float footprintMm, const Vec3d& voxelMm) {
+        return {std::clamp(1 - footprintMm / float(voxelMm.x), 0.0f, 1.0f),
+                std::clamp(1 - footprintMm / float(voxelMm.y), 0.0f, 1.0f)};
+    }
 
     /// Lights (copied) and the unit direction of the light that reaches the camera, inside the medium, both in the
     /// tile's frame at the next segments. Cheap where they hardly differ from the last ones: below 1.5 milliradians

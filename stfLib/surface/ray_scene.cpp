@@ -154,6 +154,56 @@ bool anyHit(RTCScene scene, const Ray& ray, float time) {
     return rtcRay.tfar < 0;
 }
 
+// Squared distance from p to the triangle a b c (Ericson 2005, "Real-Time Collision Detection", 5.1.5).
+float distance2(const Vec3f& p, const Vec3f& a, const Vec3f& b, const Vec3f& c) {
+    const auto to = [&](const Vec3f& q) { return dot(p - q, p - q); };
+    const Vec3f ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
+    const float d1 = dot(ab, ap), d2 = dot(ac, ap), d3 = dot(ab, bp), d4 = dot(ac, bp), d5 = dot(ab, cp),
+                d6 = dot(ac, cp);
+    if (d1 <= 0 && d2 <= 0) {
+        return to(a);
+    }
+    if (d3 >= 0 && d4 <= d3) {
+        return to(b);
+    }
+    if (d6 >= 0 && d5 <= d6) {
+        return to(c);
+    }
+    const float vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4;
+    if (vc <= 0 && d1 >= 0 && d3 <= 0) {
+        return to(a + ab * (d1 / (d1 - d3)));
+    }
+    if (vb <= 0 && d2 >= 0 && d6 <= 0) {
+        return to(a + ac * (d2 / (d2 - d6)));
+    }
+    if (va <= 0 && d4 >= d3 && d5 >= d6) {
+        return to(b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6))));
+    }
+    const float sum = va + vb + vc;
+    return sum > 0 ? to(a + ab * (vb / sum) + ac * (vc / sum)) : std::min(to(a), std::min(to(b), to(c)));
+}
+
+struct Buffers {
+    const float* points;
+    const unsigned* triangles;
+};
+
+bool nearerTriangle(RTCPointQueryFunctionArguments* args) {
+    const Buffers& buffers = *static_cast<const Buffers*>(args->userPtr);
+    const unsigned* const t = buffers.triangles + 3 * std::size_t(args->primID);
+    const auto at = [&](unsigned i) {
+        const float* const p = buffers.points + 3 * std::size_t(i);
+        return Vec3f(p[0], p[1], p[2]);
+    };
+    const float d =
+        std::sqrt(distance2({args->query->x, args->query->y, args->query->z}, at(t[0]), at(t[1]), at(t[2])));
+    if (!(d < args->query->radius)) {
+        return false;
+    }
+    args->query->radius = d;
+    return true;
+}
+
 } // namespace
 
 /// Surface and inner boundary are scenes of their own: Embree's ray masks are a build option, and instances show the
@@ -214,6 +264,38 @@ bool RayMesh::intersect(const Ray& objectRay, RayHit& hit, unsigned mask) const 
 bool RayMesh::occluded(const Ray& objectRay, unsigned mask) const {
     return traceable(objectRay) && (((mask & 1u) && anyHit(impl_->surface.get(), objectRay, 0)) ||
                                     ((mask & 2u) && impl_->inner && anyHit(impl_->inner->get(), objectRay, 0)));
+}
+
+float RayMesh::innerDistance(const Vec3f& objectPoint, float limit) const {
+    RTCGeometry const geometry = impl_->inner ? rtcGetGeometry(impl_->inner->get(), 0) : nullptr;
+    if (!geometry || !isFinite(objectPoint)) {
+        return limit;
+    }
+    Buffers buffers{static_cast<const float*>(rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0)),
+                    static_cast<const unsigned*>(rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_INDEX, 0))};
+    RTCPointQuery query;
+    query.x = objectPoint.x;
+    query.y = objectPoint.y;
+    query.z = objectPoint.z;
+    query.radius = limit;
+    query.time = 0;
+    RTCPointQueryContext context;
+    rtcInitPointQueryContext(&context);
+    rtcPointQuery(impl_->inner->get(), &query, &context, nearerTriangle, &buffers);
+    return query.radius;
+}
+
+Box3f RayMesh::innerBounds() const {
+    Box3f box;
+    if (impl_->inner) {
+        RTCBounds b;
+        rtcGetSceneBounds(impl_->inner->get(), &b);
+        if (b.lower_x <= b.upper_x) {
+            box.add({b.lower_x, b.lower_y, b.lower_z});
+            box.add({b.upper_x, b.upper_y, b.upper_z});
+        }
+    }
+    return box;
 }
 
 struct RayScene::Impl {

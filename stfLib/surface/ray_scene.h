@@ -38,6 +38,10 @@ public:
     /// Nearest hit in object space; geometry 0 and 1. `mask`: bit 0 the surface, bit 1 the inner boundary.
     bool intersect(const Ray& objectRay, RayHit& hit, unsigned mask = 3) const;
     bool occluded(const Ray& objectRay, unsigned mask = 1) const;
+    /// Distance from a point to the inner boundary, at most `limit`, which is given where nothing is nearer.
+    float innerDistance(const Vec3f& objectPoint, float limit) const;
+    /// Empty without an inner boundary.
+    Box3f innerBounds() const;
 
     struct Impl;
     const Impl& impl() const { return *impl_; }

@@ -11,7 +11,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import catmull_clark  # noqa: E402
 
 EXAMPLES = pathlib.Path(__file__).resolve().parents[2] / "usd_examples"
-NAMES = ["marble_slab", "wax_sphere", "hero", "bending_body", "still_life"]
+NAMES = ["marble_slab", "wax_sphere", "hero", "bending_body", "still_life", "backlit_dish"]
 
 
 @pytest.fixture(params=NAMES)
@@ -161,7 +161,7 @@ def test_hero_is_a_thin_vase_of_the_right_size():
     assert st[:, 0].min() == 0 and st[:, 0].max() == 1
 
 
-@pytest.mark.parametrize("script", ["make_hero", "make_wax_sphere", "make_still_life"])
+@pytest.mark.parametrize("script", ["make_hero", "make_wax_sphere", "make_still_life", "make_backlit_dish"])
 def test_committed_scene_is_what_its_script_writes(script, monkeypatch):
     monkeypatch.syspath_prepend(str(EXAMPLES))
     module = __import__(script)

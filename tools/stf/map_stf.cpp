@@ -30,7 +30,7 @@ Measured marchColumn(TileMarch& march, const TileMedium& medium, const MapOption
     for (int s = 0; s < o.samples; ++s) {
         PixelSampler sampler(o.seed, std::uint64_t(column), std::uint32_t(s));
         const Vec2f at = sampler.next2d();
-        march.begin(sampler, TileMarch::Shift::None);
+        march.begin(sampler, {0, 0});
         march.setFrame(&light, 1, v);
         march.segment({x + at.x, y + at.y, 0}, perMm, length);
         const TileRadiance seen = march.finish();

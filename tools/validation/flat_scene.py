@@ -111,7 +111,7 @@ class Recorder:
         usd, exr, stats = (self.folder / f"{name}.{kind}" for kind in ("usda", "exr", "json"))
         usd.write_text(scene)
         command = [self.program, usd, exr, "--imageWidth", width, "--samples", samples, "--aov", ",".join(aovs),
-                   "--stats", stats, "--quiet"]
+                   "--stats", stats, "--quiet", "--set", "stf:pixelFilter=box", "--set", "stf:pixelFilterWidth=1"]
         for setting in settings:
             command += ["--set", setting]
         done = subprocess.run([str(word) for word in command], capture_output=True, text=True)

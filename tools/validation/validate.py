@@ -4,8 +4,8 @@
 Usage: validate.py [--build FOLDER] [--docs FOLDER] [--quick] [--stderr 2e-4] [--seconds 4] [--quality .01]
 
 Runs `stf slab` over tests/data/reference/slab_cases.json, renders scenes of flat shells, reads what `./run bench` has
-written to FOLDER/bench (transport.json, scene_tiles.json), and fills the placeholders of validation.md.in. The measurements are kept in FOLDER/validation.json;
---replay writes the document from there again.
+written to FOLDER/bench (transport.json, scene_tiles.json), and fills the placeholders of validation.md.in. The
+measurements are kept in FOLDER/validation.json; --replay writes the document from there again.
 """
 
 import argparse

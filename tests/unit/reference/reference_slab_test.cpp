@@ -112,8 +112,7 @@ TEST(ReferenceSlab, Emission) {
         EXPECT_TRUE(slab.radiance().near(0.7 * (1 - std::exp(-2 / view)), 1e-3));
         slab.ior = 1.4;
         const auto in = fresnelSplit<double>(view, 1.4);
-        EXPECT_TRUE(
-            slab.radiance().near((1 - in.reflectance) / 1.96 * 0.7 * (1 - std::exp(-2 / in.cosT)), 1e-3));
+        EXPECT_TRUE(slab.radiance().near((1 - in.reflectance) / 1.96 * 0.7 * (1 - std::exp(-2 / in.cosT)), 1e-3));
     }
 }
 

@@ -146,7 +146,7 @@ TEST(BlendedMarch, KeepsTheLookOfTheSample) {
             double mean = 0;
             for (int i = 0; i < 64; ++i) {
                 PixelSampler sampler(11, std::uint64_t(column), std::uint32_t(i));
-                march.begin(sampler, TileMarch::Shift::None);
+                march.begin(sampler, {0, 0});
                 march.setFrame(&light, 1, viewer);
                 if (p) {
                     march.setBlend(*p);

@@ -124,8 +124,8 @@ protected:
         scene_.setLight("/light", l);
     }
 
-    /// Gives a mesh a shell of uniform material around a black core.
-    void giveShell(const std::string& id) {
+    /// Gives a mesh a shell of uniform material around a core, black or of marble.
+    void giveShell(const std::string& id, bool core = false) {
         SampleOptions o;
         o.size = {1, 1, 8};
         o.voxelMm = 0.5;
@@ -134,7 +134,10 @@ protected:
         StfBinding binding;
         binding.baseVolume = file;
         binding.quality = 0.1f;
-        binding.coreModel = "none";
+        binding.coreModel = core ? "dipole" : "none";
+        binding.thickness = core ? 0.5f : 0.0f;
+        binding.coreSigmaA = Rgb(0.1f);
+        binding.coreSigmaSPrime = Rgb(4.0f);
         scene_.setStf(id, binding);
     }
 
@@ -348,4 +351,41 @@ TEST_F(PlainScene, ShellLightsSurfaces) {
 }
 
 } // namespace
+// Walls that shine all around are a dome, for the core as well.
+TEST_F(PlainScene, CoresTakeLightOfSurfaces) {
+    addSquare("/shell", {0, 0, 0}, {0.3f, 0, 0}, {0, 0.3f, 0}, lambert(Rgb(0.5f)));
+    giveShell("/shell", true);
+    lookAt({0, 0, 0.5}, {0, 0, 0}, 0.02);
+    settings_.samples = 32;
+    Light dome;
+    dome.type = Light::Type::Dome;
+    dome.emission = Rgb(1.0f);
+    scene_.setLight("/dome", dome);
+    const double byDome = mean(Aov::StfCore).mean;
+    EXPECT_GT(byDome, 0.05);
+    scene_.removeLight("/dome");
+    // Meshes that shine are lights of their own; what they reflect comes by bounces alone.
+    addBox(1, lambert(Rgb(0.5f), Rgb(0.5f)));
+    EXPECT_NEAR(mean(Aov::StfCore).mean / byDome, 0.5 + 0.5 * 0.5, 0.04);
+    settings_.maxDepth = 0;
+    EXPECT_NEAR(mean(Aov::StfCore).mean / byDome, 0.5, 0.025) << "the core is solved again, without bounces";
+}
+
+TEST_F(PlainScene, CoresAreLitThroughHoles) {
+    addSquare("/shell", {0, 0, 0}, {0.5f, 0, 0}, {0, 0.5f, 0}, lambert(Rgb(0.5f)));
+    giveShell("/shell", true);
+    addDistant({0, 0, 1}, 2);
+    lookAt({0, 0, 0.5}, {0, 0, 0}, 0.02);
+    settings_.maxDepth = 0;
+    const double open = mean(Aov::StfCore).mean;
+    EXPECT_GT(open, 0.02);
+    PreviewSurface veil = lambert(Rgb(0.5f));
+    veil.opacityIsPresence = true;
+    for (const float opacity : {0.0f, 0.25f, 1.0f}) {
+        veil.opacity = opacity;
+        addSquare("/veil", {0, 0, 0.8f}, {2, 0, 0}, {0, 2, 0}, veil);
+        EXPECT_NEAR(mean(Aov::StfCore).mean, (1 - double(opacity)) * open, 0.01 * open) << opacity;
+    }
+}
+
 } // namespace stf::test

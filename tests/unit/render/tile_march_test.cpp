@@ -237,7 +237,7 @@ TEST(TileMarch, StoredSingleScattering) {
     }
 }
 
-// Without a shift each path sees the columns as they are; with one, a voxel's width of them.
+// Without a shift each path sees the columns as they are; with one, so much of a voxel's width of them.
 TEST(TileMarch, LateralShift) {
     BaseVolume v = column(20);
     v.size = {2, 1, 20};
@@ -250,23 +250,31 @@ TEST(TileMarch, LateralShift) {
     const TileMedium medium(v, TransportForm::DE1);
     const StfTable table = tableOf(v);
     TileMarch tile(medium, table);
-    for (const TileMarch::Shift shift : {TileMarch::Shift::None, TileMarch::Shift::Random}) {
+    for (const float shift : {0.0f, 0.5f, 1.0f}) {
         for (const float x : {0.5f, 1.5f, 1.9f}) {
             double mean = 0;
             constexpr int kPaths = 1024;
             for (int i = 0; i < kPaths; ++i) {
                 PixelSampler sampler(3, 4, std::uint32_t(i));
-                tile.begin(sampler, shift);
+                tile.begin(sampler, {shift, shift});
                 tile.setFrame(nullptr, 0, {0, 0, 1});
                 tile.segment({x, 0.5f, 0}, {0, 0, 10}, 0.5f);
                 mean += double(tile.transmittance().x) / kPaths;
             }
-            const double void_ = x < 1 ? 1.0 : 0.0, share = shift == TileMarch::Shift::None ? void_
-                                                            : x == 1.9f                     ? 0.4
-                                                                                            : void_;
+            // At 1.9 the next column begins after .1: of a shift of s, (s / 2 - .1) / s lies there.
+            const double beyond = x == 1.9f && shift > 0 ? 0.5 - 0.1 / double(shift) : 0.0;
+            const double share = x < 1 ? 1.0 : std::max(0.0, beyond);
             EXPECT_NEAR(mean, share + (1 - share) * std::exp(-1.0), 0.005) << x;
         }
     }
+}
+
+TEST(TileMarch, ShiftFillsPixelsUpToAVoxel) {
+    const Vec3d voxel(0.5, 0.25, 1);
+    EXPECT_EQ(TileMarch::shiftFor(0, voxel).x, 1);
+    EXPECT_EQ(TileMarch::shiftFor(0.25f, voxel).x, 0.5f);
+    EXPECT_EQ(TileMarch::shiftFor(0.25f, voxel).y, 0);
+    EXPECT_EQ(TileMarch::shiftFor(7, voxel).x, 0);
 }
 
 // The step that single scattering is taken from may lie frames back: it keeps the frame it was taken in.
