@@ -43,6 +43,7 @@ TEST_P(ReferenceSlab, ReflectsAsAddingDoubling) {
     slab.g = p.g;
     slab.ior = p.n;
     slab.tau = p.depth;
+    slab.extinction = p.depth / 2; // 2 mm deep: so far from the quad's rim that nothing gets there
     const double normal = (*found)["normal"]["R_total"].get<double>() - (*found)["normal"]["R_specular"].get<double>();
     const double peak = std::abs(p.g) > 0.8 ? 0.4 : 0; // of the phase function, which the quadrature has to see
     if (p.n == 1 || p.g < 0.8) {                       // else the noise of so narrow a light is too large
@@ -58,8 +59,8 @@ std::string caseName(const testing::TestParamInfo<SlabCase>& i) {
            number(i.param.g) + "n" + number(i.param.n);
 }
 INSTANTIATE_TEST_SUITE_P(Cases, ReferenceSlab,
-                         testing::Values(SlabCase{1, 0.5, 0.9, 1, 8192, 1}, SlabCase{2, 0.9, -0.9, 1, 256, 2},
-                                         SlabCase{5, 0.99, 0.5, 1, 128, 5}, SlabCase{16, 0.999999, 0, 1, 1024, 16},
+                         testing::Values(SlabCase{1, 0.5, 0.9, 1, 4096, 1}, SlabCase{2, 0.9, -0.9, 1, 256, 2},
+                                         SlabCase{5, 0.99, 0.5, 1, 128, 5}, SlabCase{16, 0.999999, 0, 1, 256, 16},
                                          SlabCase{100, 0.9, 0.9, 1.33, 1024, 30}, SlabCase{400, 0.9, 0, 1.5, 256, 12}),
                          caseName);
 
