@@ -242,6 +242,7 @@ stf::RenderSettings HdStfRenderDelegate::GetStfSettings() const {
     settings.threads = GetRenderSetting<int>(HdStfRenderSettingsTokens->threads, settings.threads);
     settings.maxDepth = GetRenderSetting<int>(HdStfRenderSettingsTokens->maxDepth, settings.maxDepth);
     settings.indirectClamp = GetRenderSetting<float>(HdStfRenderSettingsTokens->indirectClamp, settings.indirectClamp);
+    settings.regularize = GetRenderSetting<bool>(HdStfRenderSettingsTokens->regularize, settings.regularize);
     settings.quality = GetRenderSetting<float>(HdStfRenderSettingsTokens->quality, settings.quality);
     settings.errorTarget = GetRenderSetting<float>(HdStfRenderSettingsTokens->errorTarget, settings.errorTarget);
     settings.integrator = GetRenderSetting<std::string>(HdStfRenderSettingsTokens->integrator, settings.integrator);

@@ -112,6 +112,7 @@ HdRenderSettingDescriptorList HdStfMakeSettingDescriptors() {
     add("Integrator (stf, reference)", keys->integrator, VtValue(std::string("stf")), "HDSTF_INTEGRATOR");
     add("Bounces off surfaces without a shell", keys->maxDepth, VtValue(4), "HDSTF_MAX_DEPTH");
     add("Most light of a bounced path (0 = no limit)", keys->indirectClamp, VtValue(0.0f), "HDSTF_INDIRECT_CLAMP");
+    add("Blur what paths of bounces find too rarely", keys->regularize, VtValue(true), "HDSTF_REGULARIZE");
     add("Pixel filter (box, triangle, gaussian, blackmanHarris)", keys->pixelFilter,
         VtValue(std::string("blackmanHarris")), "HDSTF_PIXEL_FILTER");
     add("Width of the pixel filter (0 = its own)", keys->pixelFilterWidth, VtValue(0.0f), "HDSTF_PIXEL_FILTER_WIDTH");

@@ -10,10 +10,10 @@ PXR_NAMESPACE_OPEN_SCOPE
 #define HDSTF_RENDER_SETTINGS_TOKENS                                                                                   \
     ((samples, "stf:samples"))((seed, "stf:seed"))((quality, "stf:quality"))((transport, "stf:transport"))(            \
         (integrator, "stf:integrator"))((errorTarget, "stf:errorTarget"))((threads, "stf:threads"))(                   \
-        (maxDepth, "stf:maxDepth"))((indirectClamp, "stf:indirectClamp"))((pixelFilter, "stf:pixelFilter"))(           \
-        (pixelFilterWidth, "stf:pixelFilterWidth"))((depthOfField, "stf:depthOfField"))(                               \
-        (motionBlur, "stf:motionBlur"))((denoise, "stf:denoise"))((dataWindowNDC, "dataWindowNDC"))(                   \
-        (stageMetersPerUnit, "stageMetersPerUnit"))
+        (maxDepth, "stf:maxDepth"))((indirectClamp, "stf:indirectClamp"))((regularize, "stf:regularize"))(             \
+        (pixelFilter, "stf:pixelFilter"))((pixelFilterWidth, "stf:pixelFilterWidth"))(                                 \
+        (depthOfField, "stf:depthOfField"))((motionBlur, "stf:motionBlur"))((denoise, "stf:denoise"))(                 \
+        (dataWindowNDC, "dataWindowNDC"))((stageMetersPerUnit, "stageMetersPerUnit"))
 
 /// Constant primvars of StfShellAPI, as Hydra delivers them (without `primvars:`).
 #define HDSTF_PRIMVAR_TOKENS                                                                                           \

@@ -26,6 +26,11 @@ public:
         std::uint32_t first = 0, shuffle = 0, scrambleX = 0, scrambleY = 0;
     };
     Points next2dPoints(int count);
+    /// In place of points that nothing reads: the next ones stay what they are. Gives zeros.
+    Points skip2dPoints() {
+        ++pair_;
+        return {};
+    }
     Vec2f next2d() { return next2dPoints(1)[0]; }
     float next1d() { return next2d().x; }
 

@@ -20,7 +20,11 @@ std::uint64_t bitsOf(const Vec2f& u) {
 } // namespace
 
 ReferenceIntegrator::ReferenceIntegrator(const PreparedScene& scene, std::shared_ptr<const Media> media)
-    : scene_(scene), media_(std::move(media)), rays_(scene), plain_(scene, rays_), walks_(scene.instances.size()) {}
+    : scene_(scene), media_(std::move(media)), rays_(scene), plain_(scene, rays_), walks_(scene.instances.size()) {
+    rays_.setThroughShell([this](const PreparedInstance& instance, Ray& ray, const RayHit& hit, PixelSampler&) {
+        return straightThrough(instance, ray, hit);
+    });
+}
 
 PathTracerMaker ReferenceIntegrator::maker(const PreparedScene& scene) {
     auto media = std::make_shared<Media>();
@@ -56,6 +60,7 @@ PixelSample ReferenceIntegrator::sample(const Ray& first, float time, PixelSampl
     rays_.setTime(time);
     const std::uint64_t key = bitsOf(sampler.next2d());
     rng_ = CounterRng(key, bitsOf(sampler.next2d()));
+    sampler_ = &sampler;
     out_ = {};
     path_ = {};
     path_.ray = first;
@@ -67,10 +72,12 @@ PixelSample ReferenceIntegrator::sample(const Ray& first, float time, PixelSampl
         const bool met = rays_.intersect(ray, hit);
         const float tMax = met ? hit.t : std::numeric_limits<float>::infinity();
         if (path_.lights == LightPath::Lights::All) {
-            add(path_.throughput * scene_.lights.mirrored(ray.origin, ray.direction, tMax) * visited_.share);
+            add(path_.throughput * scene_.lights.mirrored(ray.origin, ray.direction, ray.tNear, tMax) * visited_.share);
         } else if (path_.lights == LightPath::Lights::Shared) {
             add(path_.throughput *
-                scene_.lights.met(ray.origin, ray.direction, tMax, path_.normal, path_.density, path_.domeSamples));
+                scene_.lights.met(ray.origin, ray.direction, ray.tNear, tMax,
+                                  {path_.normal, path_.density, path_.domeSamples, path_.shadowless}));
+            path_.shadowless = false;
         }
         visited_.share = 1; // what cones find is not beyond the first thing that is met
         if (!met) {
@@ -86,7 +93,11 @@ PixelSample ReferenceIntegrator::sample(const Ray& first, float time, PixelSampl
         const PreparedInstance& instance = rays_.instance(hit.instance);
         if (path_.lightsOnly) {
             add(path_.throughput * plain_.lightMet(path_, instance, hit));
-            return out_;
+            path_.throughput *= rays_.straightOn(ray, hit, &sampler);
+            if (!(maxComponent(path_.throughput) > 0)) {
+                return out_;
+            }
+            continue;
         }
         if (const float chance = maxComponent(path_.throughput) / kFaint; chance < 1) {
             if (!(sampler.next1d() < chance)) {
@@ -123,10 +134,10 @@ bool ReferenceIntegrator::crossShell(const PreparedInstance& instance, const Sur
     ShellWalk& walk = walkOf(instance);
     const bool seen = path_.seen();
     const Rgb before = path_.throughput;
-    if (visited_.asked != Asked::Straight || walk.medium().refracts()) {
+    if (visited_.asked == Asked::Cones || walk.medium().refracts()) {
         visited_ = {}; // who asked for lights before saw none through this shell
-        path_.passShell();
     }
+    path_.passShell(!walk.medium().refracts());
     ShellWalk::State state;
     if (!walk.enter(surfel.objectPoint, instance.objectDirection(path_.ray.direction),
                     normalize(smoothNormal(*instance.mesh->surface, hit)), hit.geometricNormal, surfel.triangle, rng_,
@@ -204,6 +215,7 @@ void ReferenceIntegrator::turned(const WalkVertex& v, const Vec3f& direction) {
     path_.lights = LightPath::Lights::Shared;
     path_.density = density;
     path_.domeSamples = 1;
+    path_.shadowless = true;
     path_.normal = inside_->worldNormal(v.normal);
 }
 
@@ -247,27 +259,27 @@ Rgb ReferenceIntegrator::visibility(Ray ray) {
         if (!rays_.intersect(ray, hit)) {
             return left;
         }
-        const PreparedInstance& instance = rays_.instance(hit.instance);
-        if (!instance.mesh->shell) {
-            left *= rays_.throughSurface(instance, ray, hit);
-            ray.tNear = hit.t * (1 + 1e-6f) + scene_.shadowOffset;
-            continue;
-        }
-        const Vec3f direction = instance.objectDirection(ray.direction);
-        if (dot(direction, hit.geometricNormal) >= 0) {
-            ray.tNear = hit.t * (1 + 1e-6f) + scene_.shadowOffset;
-            continue;
-        }
+        left *= rays_.straightOn(ray, hit, sampler_);
+    }
+    return Rgb(0.0f);
+}
+
+// What a shell leaves of light that goes straight on, by ratio tracking; nothing where it would be refracted.
+Rgb ReferenceIntegrator::straightThrough(const PreparedInstance& instance, Ray& ray, const RayHit& hit) {
+    const Vec3f direction = instance.objectDirection(ray.direction);
+    float start = hit.t;
+    Rgb left(1.0f);
+    if (dot(direction, hit.geometricNormal) < 0) {
         ShellWalk& walk = walkOf(instance);
         if (walk.medium().refracts()) {
             return Rgb(0.0f);
         }
         ShellWalk::Outcome out;
-        left *= walk.passThrough(surfelAt(instance, ray, hit).objectPoint, direction, hit.triangle, rng_, out);
-        const float exit = dot(instance.worldPoint(out.point) - ray.origin, ray.direction);
-        ray.tNear = std::max(hit.t, exit) * (1 + 1e-6f) + scene_.shadowOffset;
+        left = walk.passThrough(surfelAt(instance, ray, hit).objectPoint, direction, hit.triangle, rng_, out);
+        start = std::max(start, dot(instance.worldPoint(out.point) - ray.origin, ray.direction));
     }
-    return maxComponent(left) > 0 ? Rgb(0.0f) : left;
+    ray.tNear = start * (1 + 1e-6f) + scene_.shadowOffset;
+    return left;
 }
 
 Rgb ReferenceIntegrator::refractedLight(const WalkVertex& v) {
@@ -308,7 +320,7 @@ Rgb ReferenceIntegrator::refractedLight(const WalkVertex& v) {
     ray.origin = inside_->worldPoint(out.point) + inside_->worldNormal(out.outward) * scene_.shadowOffset;
     RayHit hit;
     const float tMax = rays_.intersect(ray, hit) ? hit.t : std::numeric_limits<float>::infinity();
-    return scene_.lights.mirrored(ray.origin, ray.direction, tMax) * left * (phase / (own + phase));
+    return scene_.lights.mirrored(ray.origin, ray.direction, ray.tNear, tMax) * left * (phase / (own + phase));
 }
 
 } // namespace stf

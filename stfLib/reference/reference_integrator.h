@@ -48,6 +48,7 @@ private:
     Rgb straightLight(const WalkVertex& vertex);
     Rgb refractedLight(const WalkVertex& vertex);
     Rgb visibility(Ray ray);
+    Rgb straightThrough(const PreparedInstance& instance, Ray& ray, const RayHit& hit);
     void add(const Rgb& light) {
         out_.color += light;
         out_.reflection += reflected_ ? light : Rgb(0.0f);
@@ -61,6 +62,7 @@ private:
 
     // Of the path.
     CounterRng rng_{0, 0};
+    PixelSampler* sampler_ = nullptr;
     PixelSample out_;
     LightPath path_;
     Visited visited_;

@@ -71,6 +71,7 @@ void Film::resize(int width, int height) {
 void Film::clear() {
     const std::size_t n = std::size_t(width_) * std::size_t(height_);
     pixels_.assign(n, Accumulator());
+    parts_.assign(n, Parts());
     hits_.assign(n, PixelHit());
     denoised_.clear();
 }
@@ -80,16 +81,22 @@ std::uint32_t Film::sampleCount(int x, int y) const {
 }
 
 void Film::add(int x, int y, const PixelSample& s) {
-    Accumulator& a = pixels_[index(x, y)];
+    const std::size_t i = index(x, y);
+    Accumulator& a = pixels_[i];
     const Vec3d c(s.color);
     a.color += c;
     a.colorSquared += c * c;
-    a.single += Vec3d(s.single);
-    a.multiple += Vec3d(s.multiple);
-    a.core += Vec3d(s.core);
-    a.reflection += Vec3d(s.reflection);
     a.alpha += double(s.alpha);
     ++a.count;
+    const auto none = [](const Rgb& v) { return v.x == 0 && v.y == 0 && v.z == 0; };
+    if (none(s.single) && none(s.multiple) && none(s.core) && none(s.reflection)) {
+        return; // no shell: most of many pictures
+    }
+    Parts& p = parts_[i];
+    p.single += Vec3d(s.single);
+    p.multiple += Vec3d(s.multiple);
+    p.core += Vec3d(s.core);
+    p.reflection += Vec3d(s.reflection);
 }
 
 std::vector<float> Film::read(Aov aov) const {
@@ -143,16 +150,16 @@ std::vector<float> Film::read(Aov aov) const {
             break;
         }
         case Aov::StfSingle:
-            put(Rgb(a.single * exposed));
+            put(Rgb(parts_[i].single * exposed));
             break;
         case Aov::StfMultiple:
-            put(Rgb(a.multiple * exposed));
+            put(Rgb(parts_[i].multiple * exposed));
             break;
         case Aov::StfCore:
-            put(Rgb(a.core * exposed));
+            put(Rgb(parts_[i].core * exposed));
             break;
         case Aov::StfReflection:
-            put(Rgb(a.reflection * exposed));
+            put(Rgb(parts_[i].reflection * exposed));
             break;
         case Aov::PrimId:
         case Aov::InstanceId:

@@ -97,10 +97,13 @@ public:
     double relativeError() const;
 
 private:
-    struct Accumulator {
-        Vec3d color, colorSquared, single, multiple, core, reflection;
+    struct Accumulator { // 64 bytes: one line of the cache
+        Vec3d color, colorSquared;
         double alpha = 0;
         std::uint32_t count = 0;
+    };
+    struct Parts { // of the colour, on shells
+        Vec3d single, multiple, core, reflection;
     };
     static LuminanceEstimate luminanceOf(const Accumulator& a);
     std::size_t index(int x, int y) const { return std::size_t(y) * std::size_t(width_) + std::size_t(x); }
@@ -108,6 +111,7 @@ private:
     int width_ = 0, height_ = 0;
     double exposure_ = 1;
     std::vector<Accumulator> pixels_;
+    std::vector<Parts> parts_;
     std::vector<PixelHit> hits_;
     std::vector<float> denoised_;
 };

@@ -176,13 +176,15 @@ PixelSample Integrator::sample(const Bundle& bundle, int i, const RayCone& cone,
                 ray = r.onward;
                 path.travelled += r.moved;
                 path.index = r.stopped ? r.index : 1.0f;
-                path.lights = r.stopped ? LightPath::Lights::None : path.lights;
                 if (r.stopped) {
+                    path.stopWithin();
                     break;
                 }
-                path.passShell();
             }
             --path.withinCount;
+        }
+        if (path.lightsOnly && path.withinCount > 0) {
+            leaveShells(path, sampler);
         }
         path.met = false;
         RayHit hit = bundle.hit[i];
@@ -190,11 +192,13 @@ PixelSample Integrator::sample(const Bundle& bundle, int i, const RayCone& cone,
         known = false;
         const float tMax = met ? hit.t : std::numeric_limits<float>::infinity();
         if (path.lights == LightPath::Lights::All) {
-            add(throughput * scene_.lights.mirrored(ray.origin, ray.direction, tMax), path.bounced);
+            const float blur = scene_.regularize ? regularizedDisc(path.spread) : 0.0f;
+            add(throughput * scene_.lights.mirrored(ray.origin, ray.direction, ray.tNear, tMax, blur), path.bounced);
         } else if (path.lights == LightPath::Lights::Shared) {
-            add(throughput *
-                    scene_.lights.met(ray.origin, ray.direction, tMax, path.normal, path.density, path.domeSamples),
+            add(throughput * scene_.lights.met(ray.origin, ray.direction, ray.tNear, tMax,
+                                               {path.normal, path.density, path.domeSamples, path.shadowless}),
                 path.bounced);
+            path.shadowless = false;
         }
         if (!met) {
             // The clear colour is a backdrop, not a light: no surface mirrors it.
@@ -209,7 +213,11 @@ PixelSample Integrator::sample(const Bundle& bundle, int i, const RayCone& cone,
         }
         if (path.lightsOnly) {
             add(throughput * plain_.lightMet(path, rays_.instance(hit.instance), hit), path.bounced);
-            return out;
+            throughput *= rays_.straightOn(ray, hit, &sampler);
+            if (!(maxComponent(throughput) > 0)) {
+                return out;
+            }
+            continue;
         }
         if (const float chance = maxComponent(throughput) / kFaint; !path.seen() && chance < 1) {
             if (!(sampler.next1d() < chance)) {
@@ -331,11 +339,11 @@ PixelSample Integrator::sample(const Bundle& bundle, int i, const RayCone& cone,
         }
         const bool mirror = b > 0 && (!(a > 0) || sampler.next1d() * (a + b) < b);
         throughput = mirror ? reflected * ((a + b) / b) : through * (a > 0 && b > 0 ? (a + b) / a : 1.0f);
-        path.passShell();
+        path.passShell(!shell->medium->refracts());
         if (stopped && !mirror) {
             path.enter(instance);
             path.index = indexWithin(instance, surfel.objectPoint, surfel.triangle);
-            path.lights = LightPath::Lights::None;
+            path.stopWithin();
             path.met = true;
         }
         if (mirror) {

@@ -16,7 +16,12 @@ namespace stf {
 class Integrator {
 public:
     explicit Integrator(const PreparedScene& scene)
-        : scene_(scene), rays_(scene), plain_(scene, rays_), marches_(scene.instances.size()) {}
+        : scene_(scene), rays_(scene), plain_(scene, rays_), marches_(scene.instances.size()) {
+        rays_.setThroughShell([this](const PreparedInstance& instance, Ray& ray, const RayHit& hit,
+                                     PixelSampler& sampler) { return throughShell(instance, ray, hit, sampler); });
+    }
+    Integrator(const Integrator&) = delete;
+    Integrator& operator=(const Integrator&) = delete;
 
     /// Camera rays of neighbouring pixels and what they meet first: found together, several times as fast.
     struct Bundle {
@@ -78,6 +83,11 @@ private:
     /// How light gets to a point (world) inside a shell: what the shell leaves of it on a straight way; moves the point
     /// out. Refraction is left aside.
     Rgb lightThrough(const PreparedInstance& instance, Vec3f& origin, LightSample& light, PixelSampler& sampler);
+    /// What a shell that does not bend rays leaves of one that meets it; moves the ray's start to its other side. Zero
+    /// where something else is met inside.
+    Rgb throughShell(const PreparedInstance& instance, Ray& ray, const RayHit& hit, PixelSampler& sampler);
+    /// Of a ray that only looks for lights, from inside shells: moves its start out of them.
+    void leaveShells(LightPath& path, PixelSampler& sampler);
     /// Sets how light gets to surfaces inside the shells of a path, as long as it lives.
     class WayOutGuard {
     public:

@@ -10,6 +10,17 @@ namespace stf {
 
 struct PreparedInstance;
 
+/// What is focused by something narrow onto a wide lobe is found too rarely to be other than speckle: it is blurred,
+/// not lost (Kaplanyan & Dachsbacher 2013, "Path Space Regularization for Holistic and Robust Light Transport"). Least
+/// alpha of a lobe that a path meets after lobes of this spread (radians).
+inline float regularizedAlpha(float spread) {
+    return 0.5f * std::min(spread, 0.5f); // the spread of Lambert's lobe and of light in a shell
+}
+/// And the least half angle, radians, of a distant light that it meets where samples of it do not get.
+inline float regularizedDisc(float spread) {
+    return std::min(spread, 0.5f);
+}
+
 /// A path from the camera on its way through a scene, and how its present ray came to be.
 struct LightPath {
     Ray ray;
@@ -27,6 +38,7 @@ struct LightPath {
     float density = 0;       ///< shared: per solid angle, of the ray's direction
     int domeSamples = 1;     ///< and how often a dome was asked
     Vec3f normal;            ///< and where: of the surface that the ray leaves
+    bool shadowless = false; ///< and whether lights without shadows, found wherever they are, are still to be met
 
     /// Shells that the ray's origin may lie in, those entered last at the end: what is met inside of a shell ends the
     /// march there, and the rest of the shell comes after it.
@@ -51,8 +63,14 @@ struct LightPath {
         mirrored = true;
         lights = Lights::All;
     }
-    /// It went through a shell, behind which samples of lights see nothing.
-    void passShell() { lights = seen() ? Lights::None : Lights::All; }
+    /// It went through a shell. Samples of lights see through those that do not bend rays, and nothing behind others.
+    void passShell(bool straight) {
+        if (!straight) {
+            lights = seen() ? Lights::None : Lights::All;
+        }
+    }
+    /// Something in a shell, which hides lights from samples, is what it meets next.
+    void stopWithin() { lights = seen() ? Lights::None : Lights::All; }
 };
 
 } // namespace stf

@@ -60,6 +60,7 @@ LightSet::LightSet(const std::map<std::string, Light>& lights, const MessageSink
         p.light = light;
         p.emission = light.emission;
         p.shadows = light.shadows;
+        anyShadowless_ = anyShadowless_ || !light.shadows;
         if (light.type == Light::Type::Dome) {
             p.dome = DomeLight(id, light, messages);
         } else if (light.type == Light::Type::Distant) {
@@ -239,25 +240,32 @@ bool LightSet::Prepared::seenAlong() const {
 }
 
 template<class Visit>
-void LightSet::along(const Vec3f& origin, const Vec3f& direction, float tMax, Visit&& visit) const {
-    const bool free = !(tMax < std::numeric_limits<float>::infinity());
+void LightSet::along(const Way& w, Visit&& visit) const {
+    constexpr float infinity = std::numeric_limits<float>::infinity();
+    const auto meets = [&](const Prepared& l, float t) {
+        return l.shadows || !w.sampled ? t > w.tNear && (t < w.tMax || !(w.tMax < infinity)) : w.shadowless;
+    };
     for (std::size_t i : far_) {
         const Prepared& l = lights_[i];
-        if (free && l.seenAlong() && dot(direction, l.axis) > l.cosAngle) {
-            const double half = std::acos(std::clamp(double(l.cosAngle), -1.0, 1.0));
-            visit(l, l.emission / float(projectedSolidAngle(half)), tMax);
+        if (!l.seenAlong() || !meets(l, infinity)) {
+            continue;
+        }
+        const double cosine = std::min(double(l.cosAngle), std::cos(double(w.blur)));
+        if (double(dot(w.direction, l.axis)) > cosine) {
+            visit(l, l.emission / float(projectedSolidAngle(std::acos(std::clamp(cosine, -1.0, 1.0)))), infinity);
         }
     }
-    tree_.along(origin, direction, tMax, [&](std::size_t i) {
-        const Prepared& l = lights_[i];
-        if (l.mesh) {
-            return;
-        }
-        const float t = l.shape.intersect(origin, direction);
-        if (t < tMax) {
-            visit(l, l.radiance(-direction, origin + direction * t), t);
-        }
-    });
+    tree_.along(w.origin, w.direction, w.sampled && w.shadowless && anyShadowless_ ? infinity : w.tMax,
+                [&](std::size_t i) {
+                    const Prepared& l = lights_[i];
+                    if (l.mesh) {
+                        return;
+                    }
+                    const float t = l.shape.intersect(w.origin, w.direction);
+                    if (t < infinity && meets(l, t)) {
+                        visit(l, l.radiance(-w.direction, w.origin + w.direction * t), t);
+                    }
+                });
 }
 
 float LightSet::emitterDensity(std::uint32_t instance, float distance, float cosine) const {
@@ -269,31 +277,33 @@ float LightSet::emitterDensity(std::uint32_t instance, float distance, float cos
     return solid > 0 ? 1 / solid : std::numeric_limits<float>::infinity();
 }
 
-Rgb LightSet::mirrored(const Vec3f& origin, const Vec3f& direction, float tMax) const {
+Rgb LightSet::mirrored(const Vec3f& origin, const Vec3f& direction, float tNear, float tMax, float blur) const {
     Rgb sum(0.0f);
-    along(origin, direction, tMax, [&](const Prepared&, const Rgb& radiance, float) { sum += radiance; });
+    along({origin, direction, tNear, tMax, false, false, blur},
+          [&](const Prepared&, const Rgb& radiance, float) { sum += radiance; });
     return sum;
 }
 
-Rgb LightSet::met(const Vec3f& origin, const Vec3f& direction, float tMax, const Vec3f& normal, float density,
-                  int domeSamples) const {
+Rgb LightSet::met(const Vec3f& origin, const Vec3f& direction, float tNear, float tMax, const Chosen& chosen) const {
     Rgb sum(0.0f);
-    along(origin, direction, tMax, [&](const Prepared& l, const Rgb& radiance, float t) {
-        float sampled = 0;
-        if (l.type == Light::Type::Distant) {
-            sampled = distantDensity(l.cosAngle, dot(direction, l.axis));
-        } else if (const float solid = l.shape.solidAngle(origin, direction, t); solid > 0) {
-            sampled = 1 / solid;
-        }
-        sum += radiance * (density / (density + sampled));
-    });
-    if (!(tMax < std::numeric_limits<float>::infinity())) {
-        for (std::size_t i : far_) {
-            const Prepared& l = lights_[i];
-            if (l.type == Light::Type::Dome) {
-                const float sampled = float(domeSamples) * l.dome.density(normal, direction);
-                sum += l.dome.radiance(direction) * (density / (density + sampled));
-            }
+    const auto add = [&](const Rgb& radiance, float sampled) {
+        sum += radiance * (chosen.density / (chosen.density + sampled));
+    };
+    along({origin, direction, tNear, tMax, true, chosen.shadowless, 0},
+          [&](const Prepared& l, const Rgb& radiance, float t) {
+              float sampled = 0;
+              if (l.type == Light::Type::Distant) {
+                  sampled = distantDensity(l.cosAngle, dot(direction, l.axis));
+              } else if (const float solid = l.shape.solidAngle(origin, direction, t); solid > 0) {
+                  sampled = 1 / solid;
+              }
+              add(radiance, sampled);
+          });
+    const bool free = !(tMax < std::numeric_limits<float>::infinity());
+    for (std::size_t i : far_) {
+        const Prepared& l = lights_[i];
+        if (l.type == Light::Type::Dome && (l.shadows ? free : chosen.shadowless)) {
+            add(l.dome.radiance(direction), float(chosen.domeSamples) * l.dome.density(chosen.normal, direction));
         }
     }
     return sum;

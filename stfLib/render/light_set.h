@@ -81,20 +81,30 @@ public:
     int choose(const Vec3f& point, const Vec3f& normal, float u, int most, LightPick* picks) const;
     /// What a light brings to a point with a normal (a dome is sampled by its cosine).
     LightSample sample(std::size_t light, const Vec3f& point, const Vec3f& normal, Vec2f u) const;
+    /// Whether `sample` reads its numbers: a distant light without a disc has one direction.
+    bool hasExtent(std::size_t light) const {
+        return lights_[light].type != Light::Type::Distant || lights_[light].cosAngle < 1;
+    }
     /// How many directions towards a light are worth while on one path.
     bool isDome(std::size_t light) const { return lights_[light].type == Light::Type::Dome; }
 
     /// Radiance of what lies behind everything, in a direction.
     Rgb background(const Vec3f& direction) const;
     bool hasDome() const;
-    /// Radiance of the lights with an area, and of wide distant ones, that a mirrored ray meets before `tMax`. Rays of
-    /// the camera do not see them, as in other renderers.
-    Rgb mirrored(const Vec3f& origin, const Vec3f& direction, float tMax) const;
-    /// The same and, where nothing is met, the domes, for a ray whose direction was chosen with a density while
-    /// `sample` was asked as well, once for each light and `domeSamples` times for each dome: their shares by the
-    /// balance heuristic (Veach 1997). `normal`: of the surface that the ray leaves.
-    Rgb met(const Vec3f& origin, const Vec3f& direction, float tMax, const Vec3f& normal, float density,
-            int domeSamples) const;
+    /// Radiance of the lights with an area, and of wide distant ones, that a mirrored ray meets between `tNear` and
+    /// `tMax`. Rays of the camera do not see them, as in other renderers. `blur`: least half angle, radians, of the
+    /// discs of those distant lights, which give the same light all in all.
+    Rgb mirrored(const Vec3f& origin, const Vec3f& direction, float tNear, float tMax, float blur = 0) const;
+    /// How a ray's direction was chosen where `sample` was asked as well.
+    struct Chosen {
+        Vec3f normal;    ///< of the surface that the ray leaves
+        float density;   ///< of its direction, per solid angle
+        int domeSamples; ///< for each dome; of any other light there was one
+        bool shadowless; ///< lights without shadows are met as well, which samples find behind whatever is there
+    };
+    /// The same as `mirrored` and, where nothing is met, the domes, for such a ray: their shares by the balance
+    /// heuristic (Veach 1997).
+    Rgb met(const Vec3f& origin, const Vec3f& direction, float tNear, float tMax, const Chosen& chosen) const;
 
     /// The density per solid angle with which `sample` finds a point of an instance that is a light, where it is met at
     /// a distance, at an angle to its normal; 0 for any other instance.
@@ -118,9 +128,15 @@ private:
         Rgb radiance(const Vec3f& direction, const Vec3f& at) const;
         bool seenAlong() const;
     };
-    /// Calls visit(light, radiance, distance) for what `mirrored` sums.
+    struct Way {
+        Vec3f origin, direction;
+        float tNear, tMax;
+        bool sampled, shadowless; ///< sampled: lights without shadows are met wherever they are, if `shadowless`
+        float blur;               ///< half angle
+    };
+    /// Calls visit(light, radiance, distance) for what lies on a way.
     template<class Visit>
-    void along(const Vec3f& origin, const Vec3f& direction, float tMax, Visit&& visit) const;
+    void along(const Way& way, Visit&& visit) const;
     bool prepareArea(const std::string& id, Prepared& light, const MessageSink& messages) const;
 
     std::vector<Prepared> lights_;                            ///< meshes last
@@ -128,6 +144,7 @@ private:
     std::unordered_map<std::uint32_t, std::size_t> emitters_; ///< light by instance
     std::vector<std::size_t> far_;                            ///< distant lights and domes
     LightTree tree_;                                          ///< of the others
+    bool anyShadowless_ = false;
     std::size_t areaCount_ = 0;
 };
 

@@ -52,6 +52,12 @@ PixelFilter::PixelFilter(Shape shape, float width) : shape_(shape), width_(width
         }
         cumulative_.front() = 0;
         cumulative_.back() = 1;
+        cutpoints_.resize(kSteps);
+        for (int k = 0; k < kSteps; ++k) {
+            const auto above =
+                std::upper_bound(cumulative_.begin() + 1, cumulative_.end() - 1, float(k) / float(kSteps));
+            cutpoints_[std::size_t(k)] = std::uint16_t(above - cumulative_.begin());
+        }
     }
 }
 
@@ -64,9 +70,12 @@ float PixelFilter::offset(float u) const {
         return (u < 0.5f ? std::sqrt(2 * u) - 1 : 1 - std::sqrt(2 - 2 * u)) * 0.5f * width_;
     }
     // The step whose share holds u, evenly filled.
-    const auto above = std::upper_bound(cumulative_.begin() + 1, cumulative_.end() - 1, u);
-    const float low = *(above - 1), share = *above - low;
-    const float step = float(above - 1 - cumulative_.begin()) + (share > 0 ? (u - low) / share : 0.5f);
+    std::size_t above = cutpoints_[std::size_t(std::min(int(u * float(kSteps)), kSteps - 1))];
+    while (above < std::size_t(kSteps) && cumulative_[above] <= u) {
+        ++above;
+    }
+    const float low = cumulative_[above - 1], share = cumulative_[above] - low;
+    const float step = float(above - 1) + (share > 0 ? (u - low) / share : 0.5f);
     return (step / kSteps - 0.5f) * width_;
 }
 

@@ -7,9 +7,8 @@ namespace stf {
 
 namespace {
 
-constexpr float kLeastCosine = 1e-4f;   // of the viewer, where the smooth normal turns away while the triangle is seen
-constexpr float kWideSpread = 0.5f;     // radians, of Lambert's lobe and of light in a shell
-constexpr float kRegularization = 0.5f; // of a path's spread, as least alpha of the next lobe
+constexpr float kLeastCosine = 1e-4f; // of the viewer, where the smooth normal turns away while the triangle is seen
+constexpr float kWideSpread = 0.5f;   // radians, of Lambert's lobe and of light in a shell
 
 PreviewPoint lambert(const Rgb& color) {
     PreviewPoint p;
@@ -41,10 +40,8 @@ PlainShader::Vertex PlainShader::vertexAt(const PreparedInstance& instance, cons
                                           const Vec3f& direction, float spread) const {
     Vertex v;
     v.at = pointAt(instance, surfel, hit);
-    if (spread > 0) {
-        // Light focused by a narrow lobe onto a wide one is found too rarely to be other than speckle: it is blurred,
-        // not lost (Kaplanyan & Dachsbacher 2013, "Path Space Regularization for Holistic and Robust Light Transport").
-        const float least = std::sqrt(kRegularization * std::min(spread, kWideSpread));
+    if (spread > 0 && scene_.regularize) {
+        const float least = std::sqrt(regularizedAlpha(spread)); // roughness
         v.at.roughness = std::max(v.at.roughness, least);
         v.at.clearcoatRoughness = std::max(v.at.clearcoatRoughness, least);
     }
@@ -80,9 +77,10 @@ Rgb PlainShader::direct(const Vertex& v, const PreviewBsdf& bsdf, int domeDirect
     for (int i = 0; i < count; ++i) {
         const std::size_t l = picks[i].light;
         const int directions = scene_.lights.isDome(l) ? domeDirections : 1;
-        const PixelSampler::Points u = sampler.next2dPoints(directions);
+        const bool extent = scene_.lights.hasExtent(l);
+        const PixelSampler::Points u = extent ? sampler.next2dPoints(directions) : sampler.skip2dPoints();
         for (int k = 0; k < directions; ++k) {
-            const LightSample light = scene_.lights.sample(l, v.point, v.z, u[k]);
+            const LightSample light = scene_.lights.sample(l, v.point, v.z, extent ? u[k] : Vec2f());
             const float cosine = dot(v.z, light.towards);
             if (!(cosine > 0) || !(maxComponent(light.irradiance) > 0)) {
                 continue;
@@ -94,7 +92,7 @@ Rgb PlainShader::direct(const Vertex& v, const PreviewBsdf& bsdf, int domeDirect
                 share *= own / (own + bsdf.density(v.out, in));
             }
             if (maxComponent(share) > 0) {
-                sum += light.irradiance * share * rays_.visibility(v.origin, light);
+                sum += light.irradiance * share * rays_.visibility(v.origin, light, &sampler);
             }
         }
     }
@@ -170,6 +168,7 @@ PlainShader::Step PlainShader::shade(LightPath& path, const PreparedInstance& in
     path.density = s.density;
     path.domeSamples = domes;
     path.normal = v.z;
+    path.shadowless = true;
     path.ray = Ray();
     path.ray.origin = v.origin;
     path.ray.direction = towards;

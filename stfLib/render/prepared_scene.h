@@ -52,8 +52,10 @@ struct PreparedScene {
     float clearAlpha = 0;
     std::vector<std::uint32_t> aroundCamera; ///< instances of shells that the camera may be in
     bool clearSurfaces = false;              ///< some surface is not opaque: shadow rays have to look at what they meet
+    bool clearShells = false;                ///< some shell does not bend rays: light goes straight through it
     bool surfacesBounce = false;             ///< some plain surface sends light on
     int maxDepth = 0;                        ///< bounces off plain surfaces along a path
+    bool regularize = true;                  ///< light_path.h
     float indirectClamp = 0; ///< most of light that a bounced path brings, its largest channel; 0: no limit
 };
 

@@ -229,8 +229,10 @@ void Renderer::Impl::planSurfaces() {
     int plain = 0, read = 0, clear = 0;
     std::set<const PlainMaterial*> used;
     scene->surfacesBounce = false;
+    scene->clearShells = false;
     for (const PreparedInstance& i : scene->instances) {
         if (i.mesh->shell) {
+            scene->clearShells = scene->clearShells || !i.mesh->shell->medium->refracts();
             continue;
         }
         ++plain;
@@ -641,6 +643,7 @@ bool Renderer::renderPass(Progress& progress) {
     s.scene->clearAlpha = s.clearAlpha;
     s.scene->maxDepth = s.settings.maxDepth;
     s.scene->indirectClamp = s.settings.indirectClamp;
+    s.scene->regularize = s.settings.regularize && !s.traces();
     Box3f start; // of camera rays, twice as wide as the picture
     for (const Vec2d& corner : {Vec2d{-2, -2}, Vec2d{2, -2}, Vec2d{-2, 2}, Vec2d{2, 2}}) {
         start.add(s.camera.ray(corner.x, corner.y, s.scene->origin).origin);

@@ -29,6 +29,7 @@ struct RenderSettings {
     std::string transport = "dE1"; ///< form of the tables, where a binding does not say: dE1, classic
     int maxDepth = 4;              ///< bounces off surfaces that are no shells; 0: direct light alone
     float indirectClamp = 0;       ///< most that a bounced path brings (radiance, largest channel); 0: no limit
+    bool regularize = true;        ///< what bounced paths would find as rare bright dots is blurred
     std::string pixelFilter = "blackmanHarris"; ///< box, triangle, gaussian, blackmanHarris
     float pixelFilterWidth = 0;                 ///< of its support, pixels; 0: the filter's own
     bool depthOfField = true;                   ///< the camera's lens counts; else it is a pinhole
@@ -37,7 +38,7 @@ struct RenderSettings {
     bool operator==(const RenderSettings& s) const {
         return samples == s.samples && seed == s.seed && errorTarget == s.errorTarget && threads == s.threads &&
                quality == s.quality && transport == s.transport && maxDepth == s.maxDepth &&
-               indirectClamp == s.indirectClamp && pixelFilter == s.pixelFilter &&
+               indirectClamp == s.indirectClamp && regularize == s.regularize && pixelFilter == s.pixelFilter &&
                pixelFilterWidth == s.pixelFilterWidth && depthOfField == s.depthOfField && integrator == s.integrator &&
                motionBlur == s.motionBlur;
     }

@@ -9,19 +9,25 @@ namespace {
 constexpr int kMaxClearSurfaces = 64; // along one shadow ray
 }
 
-Rgb SceneRays::visibility(const Vec3f& origin, const LightSample& light) {
+Rgb SceneRays::visibility(const Vec3f& origin, const LightSample& light, PixelSampler* throughShells) {
     if (!light.shadows) {
         return Rgb(1.0f);
     }
     if (wayOut_) {
-        return fromWithin(origin, light);
+        return fromWithin(origin, light, throughShells);
     }
     const Ray ray = shadowRay(origin, light);
-    if (scene_.clearSurfaces) {
-        return throughSurfaces(ray);
+    const bool shells = throughShells && scene_.clearShells;
+    if (!scene_.clearSurfaces) {
+        ++count_;
+        if (!scene_.rays->occluded(ray, time_)) {
+            return Rgb(1.0f);
+        }
+        if (!shells) {
+            return Rgb(0.0f);
+        }
     }
-    ++count_;
-    return Rgb(scene_.rays->occluded(ray, time_) ? 0.0f : 1.0f);
+    return throughSurfaces(ray, shells ? throughShells : nullptr);
 }
 
 const PreparedInstance& SceneRays::moved(const PreparedInstance& placed) {
@@ -43,39 +49,42 @@ const PreparedInstance& SceneRays::moved(const PreparedInstance& placed) {
     return m.instance;
 }
 
-Rgb SceneRays::fromWithin(Vec3f origin, LightSample light) {
+Rgb SceneRays::fromWithin(Vec3f origin, LightSample light, PixelSampler* throughShells) {
     WayOut wayOut;
     wayOut.swap(wayOut_); // beyond there is none
     Rgb left = wayOut(origin, light);
     if (maxComponent(left) > 0) {
-        left *= visibility(origin, light);
+        left *= visibility(origin, light, throughShells);
     }
     wayOut.swap(wayOut_);
     return left;
 }
 
-Rgb SceneRays::throughSurface(const PreparedInstance& instance, const Ray& ray, const RayHit& hit) {
+Rgb SceneRays::straightOn(Ray& ray, const RayHit& hit, PixelSampler* throughShells) {
+    const PreparedInstance& instance = this->instance(hit.instance);
+    if (instance.mesh->shell) {
+        return throughShells && throughShell_ ? throughShell_(instance, ray, hit, *throughShells) : Rgb(0.0f);
+    }
     if (!instance.material || instance.material->opaque()) {
         return Rgb(0.0f);
     }
     const Surfel surfel = surfelAt(instance, ray, hit);
     const PreviewPoint at = instance.material->at(uvAt(*instance.mesh->surface, hit), surfel.albedo);
+    ray.tNear = hit.t * (1 + 1e-6f) + scene_.shadowOffset;
     return PreviewBsdf(at).through({0, 0, dot(surfel.normal, ray.direction)});
 }
 
-Rgb SceneRays::throughSurfaces(Ray ray) {
+Rgb SceneRays::throughSurfaces(Ray ray, PixelSampler* throughShells) {
     Rgb left(1.0f);
     for (int i = 0; i < kMaxClearSurfaces; ++i) {
         RayHit hit;
         if (!intersect(ray, hit)) {
             return left;
         }
-        const PreparedInstance& instance = this->instance(hit.instance);
-        left *= instance.mesh->shell ? Rgb(0.0f) : throughSurface(instance, ray, hit);
+        left *= straightOn(ray, hit, throughShells);
         if (!(maxComponent(left) > 0)) {
             return left;
         }
-        ray.tNear = hit.t * (1 + 1e-6f) + scene_.shadowOffset;
     }
     return Rgb(0.0f);
 }

@@ -41,10 +41,15 @@ public:
     using WayOut = std::function<Rgb(Vec3f& origin, LightSample& light)>;
     /// For the points asked for from now on; null: they lie in no shell.
     void setWayOut(WayOut wayOut) { wayOut_ = std::move(wayOut); }
-    /// The share of a light that arrives at a point (world): 0 or 1, but for surfaces that are not opaque.
-    Rgb visibility(const Vec3f& origin, const LightSample& light);
-    /// What a surface that is no shell lets pass straight on: 0 where it is opaque.
-    static Rgb throughSurface(const PreparedInstance& instance, const Ray& ray, const RayHit& hit);
+    /// What a shell leaves of a straight ray that meets its surface; moves the ray's start to where it leaves.
+    using ThroughShell = std::function<Rgb(const PreparedInstance&, Ray&, const RayHit&, PixelSampler&)>;
+    /// Null: shells stop light.
+    void setThroughShell(ThroughShell throughShell) { throughShell_ = std::move(throughShell); }
+    /// The share of a light that arrives at a point (world): 0 or 1, but for surfaces that are not opaque. With
+    /// numbers for `throughShells` also the light that goes straight through shells, as paths of bounces do.
+    Rgb visibility(const Vec3f& origin, const LightSample& light, PixelSampler* throughShells = nullptr);
+    /// What is left of a ray that goes straight on where it hits something; moves its start behind that.
+    Rgb straightOn(Ray& ray, const RayHit& hit, PixelSampler* throughShells);
     /// At most kMaxLightsPerPath of the lights, with their weights; returns how many.
     int chooseLights(const Vec3f& point, const Vec3f& normal, PixelSampler& sampler, LightPick* picks) const;
 
@@ -56,12 +61,13 @@ private:
         PreparedInstance instance;
         std::uint64_t timeVersion = 0;
     };
-    Rgb throughSurfaces(Ray ray);
-    Rgb fromWithin(Vec3f origin, LightSample light);
+    Rgb throughSurfaces(Ray ray, PixelSampler* throughShells);
+    Rgb fromWithin(Vec3f origin, LightSample light, PixelSampler* throughShells);
     const PreparedInstance& moved(const PreparedInstance& placed);
 
     const PreparedScene& scene_;
     WayOut wayOut_;
+    ThroughShell throughShell_;
     std::uint64_t count_ = 0;
     float time_ = 0.5f;
     std::uint64_t timeVersion_ = 1;

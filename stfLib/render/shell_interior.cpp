@@ -144,6 +144,9 @@ Rgb Integrator::lightThrough(const PreparedInstance& instance, Vec3f& origin, Li
     if (!march.holds(point, direction, at)) {
         return Rgb(1.0f);
     }
+    if (instance.overlapped && obstacle(instance, point, direction) < std::numeric_limits<float>::infinity()) {
+        return Rgb(0.0f); // left to paths, which go on behind it
+    }
     ShellSpan span;
     span.fromWithin = true;
     const ShellRadiance r = march.march(point, at.triangle, direction, 0, nullptr, 0, sampler, span);
@@ -151,6 +154,47 @@ Rgb Integrator::lightThrough(const PreparedInstance& instance, Vec3f& origin, Li
     origin += light.towards * length;
     light.distance -= length;
     return r.transmittance;
+}
+
+Rgb Integrator::throughShell(const PreparedInstance& instance, Ray& ray, const RayHit& hit, PixelSampler& sampler) {
+    const ShellObject& shell = *instance.mesh->shell;
+    const Vec3f scaled(instance.worldToObject.vector(Vec3d(ray.direction)));
+    if (dot(scaled, hit.geometricNormal) >= 0) {
+        ray.tNear = hit.t * (1 + kBeyond) + scene_.shadowOffset; // its inside: nothing is there
+        return Rgb(1.0f);
+    }
+    if (shell.medium->refracts()) {
+        return Rgb(0.0f);
+    }
+    const float scale = length(scaled);
+    const Vec3f direction = scaled / scale, point = surfelAt(instance, ray, hit).objectPoint;
+    // The core ends most rays: it is looked for before the march.
+    Ray inward;
+    inward.origin = point;
+    inward.direction = direction;
+    inward.tNear = 1e-3f * shell.grid->voxelSize();
+    RayHit end;
+    rays_.add(1);
+    if (shell.rayMesh->intersect(inward, end, 3) && end.geometry == 1) {
+        return Rgb(0.0f);
+    }
+    if (instance.overlapped && obstacle(instance, point, direction) < std::numeric_limits<float>::infinity()) {
+        return Rgb(0.0f);
+    }
+    const ShellRadiance r = marchOf(instance).march(point, hit.triangle, direction, 0, nullptr, 0, sampler);
+    ray.tNear = (hit.t + r.tExit / scale) * (1 + kBeyond) + scene_.shadowOffset;
+    return ray.tNear < ray.tFar ? r.transmittance : Rgb(0.0f); // a light in a shell gets no further
+}
+
+void Integrator::leaveShells(LightPath& path, PixelSampler& sampler) {
+    const Vec3f start = path.ray.origin + path.ray.direction * path.ray.tNear;
+    Vec3f origin = start;
+    LightSample light;
+    light.towards = path.ray.direction;
+    while (path.withinCount > 0) {
+        path.throughput *= lightThrough(*path.within[--path.withinCount], origin, light, sampler);
+    }
+    path.ray.tNear += length(origin - start);
 }
 
 Integrator::WayOutGuard::WayOutGuard(Integrator& integrator, const LightPath& path, PixelSampler& sampler) {

@@ -108,10 +108,10 @@ TEST(LightTree, MirroredRaysFindTheirLights) {
     lights.place(origin);
     for (const auto& [id, l] : all) {
         const Vec3f to(l.lightToWorld.translation - origin);
-        EXPECT_GE(lights.mirrored({0, 0, 0}, normalize(to), 1e9f).y, l.emission.y) << id;
-        EXPECT_EQ(lights.mirrored({0, 0, 0}, normalize(to), 1e-3f).y, 0);
+        EXPECT_GE(lights.mirrored({0, 0, 0}, normalize(to), 0, 1e9f).y, l.emission.y) << id;
+        EXPECT_EQ(lights.mirrored({0, 0, 0}, normalize(to), 0, 1e-3f).y, 0);
     }
-    EXPECT_EQ(lights.mirrored({0, 0, 100}, {0, 0, 1}, 1e9f).y, 0);
+    EXPECT_EQ(lights.mirrored({0, 0, 100}, {0, 0, 1}, 0, 1e9f).y, 0);
 }
 
 TEST(LightTree, NormalizedLightsKeepTheirPower) {
