@@ -245,6 +245,7 @@ stf::RenderSettings HdStfRenderDelegate::GetStfSettings() const {
     settings.regularize = GetRenderSetting<bool>(HdStfRenderSettingsTokens->regularize, settings.regularize);
     settings.quality = GetRenderSetting<float>(HdStfRenderSettingsTokens->quality, settings.quality);
     settings.errorTarget = GetRenderSetting<float>(HdStfRenderSettingsTokens->errorTarget, settings.errorTarget);
+    settings.integrator = GetRenderSetting<std::string>(HdStfRenderSettingsTokens->integrator, settings.integrator);
     settings.transport = GetRenderSetting<std::string>(HdStfRenderSettingsTokens->transport, settings.transport);
     settings.pixelFilter = GetRenderSetting<std::string>(HdStfRenderSettingsTokens->pixelFilter, settings.pixelFilter);
     settings.pixelFilterWidth =

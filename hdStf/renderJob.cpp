@@ -4,6 +4,7 @@
 #include "hdStf/renderBuffer.h"
 #include "stfLib/cache/map_cache.h"
 #include "stfLib/cache/table_cache.h"
+#include "stfLib/reference/reference_integrator.h"
 
 #include "pxr/base/gf/vec4f.h"
 #include "pxr/base/tf/getenv.h"
@@ -72,7 +73,7 @@ void _PutClearValue(std::vector<T>& pixels, int channels, std::vector<int32_t> c
 } // namespace
 
 HdStfRenderJob::HdStfRenderJob(stf::Scene& scene, HdStfMessages& messages)
-    : _scene(scene), _messages(messages), _renderer(stf::cachedTables(), stf::cachedMaps()) {
+    : _scene(scene), _messages(messages), _renderer(stf::cachedTables(), stf::cachedMaps(), &stf::ReferenceIntegrator::maker) {
     _renderer.setMessages(
         [this](stf::Severity severity, std::string const& text) { _messages.Report(severity, text); });
     _thread.SetRenderCallback([this] { _Render(); });

@@ -56,6 +56,10 @@ VtValue _InRange(TfToken const& key, VtValue const& value) {
         std::string const& form = value.UncheckedGet<std::string>();
         return form == "dE1" || form == "classic" ? value : VtValue();
     }
+    if (key == HdStfRenderSettingsTokens->integrator) {
+        std::string const& name = value.UncheckedGet<std::string>();
+        return name == "stf" || name == "reference" ? value : VtValue();
+    }
     if (key == HdStfRenderSettingsTokens->pixelFilter) {
         stf::PixelFilter::Shape shape;
         return stf::PixelFilter::shapeFromName(value.UncheckedGet<std::string>(), shape) ? value : VtValue();
@@ -105,6 +109,7 @@ HdRenderSettingDescriptorList HdStfMakeSettingDescriptors() {
     add("Seed", keys->seed, VtValue(0), "HDSTF_SEED");
     add("Target error of the tables", keys->quality, VtValue(0.02f), "HDSTF_QUALITY");
     add("Form of transport (dE1, classic)", keys->transport, VtValue(std::string("dE1")), "HDSTF_TRANSPORT");
+    add("Integrator (stf, reference)", keys->integrator, VtValue(std::string("stf")), "HDSTF_INTEGRATOR");
     add("Bounces off surfaces without a shell", keys->maxDepth, VtValue(4), "HDSTF_MAX_DEPTH");
     add("Most light of a bounced path (0 = no limit)", keys->indirectClamp, VtValue(0.0f), "HDSTF_INDIRECT_CLAMP");
     add("Blur what paths of bounces find too rarely", keys->regularize, VtValue(true), "HDSTF_REGULARIZE");

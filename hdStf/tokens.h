@@ -9,11 +9,11 @@ PXR_NAMESPACE_OPEN_SCOPE
 /// Render settings (docs/settings.md).
 #define HDSTF_RENDER_SETTINGS_TOKENS                                                                                   \
     ((samples, "stf:samples"))((seed, "stf:seed"))((quality, "stf:quality"))((transport, "stf:transport"))(            \
-        (errorTarget, "stf:errorTarget"))((threads, "stf:threads"))((maxDepth, "stf:maxDepth"))(                       \
-        (indirectClamp, "stf:indirectClamp"))((regularize, "stf:regularize"))((pixelFilter, "stf:pixelFilter"))(       \
-        (pixelFilterWidth, "stf:pixelFilterWidth"))((depthOfField, "stf:depthOfField"))(                               \
-        (motionBlur, "stf:motionBlur"))((denoise, "stf:denoise"))((dataWindowNDC, "dataWindowNDC"))(                   \
-        (stageMetersPerUnit, "stageMetersPerUnit"))
+        (integrator, "stf:integrator"))((errorTarget, "stf:errorTarget"))((threads, "stf:threads"))(                   \
+        (maxDepth, "stf:maxDepth"))((indirectClamp, "stf:indirectClamp"))((regularize, "stf:regularize"))(             \
+        (pixelFilter, "stf:pixelFilter"))((pixelFilterWidth, "stf:pixelFilterWidth"))(                                 \
+        (depthOfField, "stf:depthOfField"))((motionBlur, "stf:motionBlur"))((denoise, "stf:denoise"))(                 \
+        (dataWindowNDC, "dataWindowNDC"))((stageMetersPerUnit, "stageMetersPerUnit"))
 
 /// Constant primvars of StfShellAPI, as Hydra delivers them (without `primvars:`).
 #define HDSTF_PRIMVAR_TOKENS                                                                                           \

@@ -15,6 +15,16 @@ double projectedSolidAngle(double half) {
     return double(kPi) * std::sin(half) * std::sin(half);
 }
 
+double halfAngle(const Light& distant) {
+    return std::clamp(double(distant.angle), 0.0, 180.0) * double(kPi) / 360.0;
+}
+
+/// `emission` is that, or with an angle the radiance of the disc.
+Rgb perpendicularIrradiance(const Light& distant) {
+    const double half = halfAngle(distant);
+    return distant.emission * (!distant.normalize && half > 0 ? float(projectedSolidAngle(half)) : 1.0f);
+}
+
 /// Of a direction in a distant light's disc, uniform in projected solid angle.
 float distantDensity(float cosHalf, float cosine) {
     return cosine / (kPi * (1 - cosHalf * cosHalf));
@@ -55,11 +65,8 @@ LightSet::LightSet(const std::map<std::string, Light>& lights, const MessageSink
             p.dome = DomeLight(id, light, messages);
         } else if (light.type == Light::Type::Distant) {
             p.axis = Vec3f(normalize(light.lightToWorld.vector({0, 0, 1})));
-            const double half = std::clamp(double(light.angle), 0.0, 180.0) * double(kPi) / 360.0;
-            p.cosAngle = float(std::cos(half));
-            if (!light.normalize && half > 0) {
-                p.emission *= float(projectedSolidAngle(half)); // `emission` is radiance
-            }
+            p.cosAngle = float(std::cos(halfAngle(light)));
+            p.emission = perpendicularIrradiance(light);
         } else if (!prepareArea(id, p, messages)) {
             continue;
         }
@@ -67,6 +74,12 @@ LightSet::LightSet(const std::map<std::string, Light>& lights, const MessageSink
     }
     hostLights_ = lights_.size();
     place(Vec3d(0.0));
+}
+
+void LightSet::widen(Light& light, float angle) {
+    light.emission = perpendicularIrradiance(light);
+    light.normalize = true;
+    light.angle = angle;
 }
 
 bool LightSet::prepareArea(const std::string& id, Prepared& p, const MessageSink& messages) const {

@@ -66,6 +66,8 @@ public:
     /// Lights that are invisible or black are left out; unreadable textures and profiles are reported, the light shines
     /// without them.
     LightSet(const std::map<std::string, Light>& lights, const MessageSink& messages);
+    /// Gives a distant light a larger angle (degrees), of the same irradiance.
+    static void widen(Light& light, float angle);
     /// Points are relative to a world position from now on (the scene's middle, so that single precision is enough),
     /// and these meshes are lights too.
     void place(const Vec3d& origin, const std::vector<MeshEmitter>& meshes = {});

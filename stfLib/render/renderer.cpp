@@ -16,6 +16,7 @@
 #include <chrono>
 #include <optional>
 #include <set>
+#include <sstream>
 
 namespace stf {
 
@@ -24,7 +25,11 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr int kTile = 16;                              // pixels
 constexpr std::size_t kMostEmitterTriangles = 8000000; // eight bytes each
-constexpr int kBlock = 4;                              // pixels, of rays that are traced together
+const char* const kTables = "stf";                     // integrators
+const char* const kTraced = "reference";
+/// Full angle, degrees, of a distant light whose disc is too small for paths that are refracted to meet.
+constexpr float kLeastMetAngle = 4.1f;
+constexpr int kBlock = 4; // pixels, of rays that are traced together
 static_assert(kBlock * kBlock == kMostTogether && kTile % kBlock == 0);
 
 double since(Clock::time_point start) {
@@ -49,8 +54,9 @@ PixelFilter filterOf(const RenderSettings& settings) {
 } // namespace
 
 struct Renderer::Impl {
-    Impl(TableProvider tables, MapProvider maps)
-        : builder(tables ? std::move(tables) : TableProvider(computeTable), std::move(maps),
+    Impl(TableProvider tables, MapProvider maps, PathTracerProvider traced)
+        : reference(std::move(traced)),
+          builder(tables ? std::move(tables) : TableProvider(computeTable), std::move(maps),
                   [this](Severity s, const std::string& text) { say(s, text); }) {}
 
     // Each text once: a host prepares again after every edit.
@@ -65,7 +71,7 @@ struct Renderer::Impl {
         std::uint64_t meshVersion = 0, stfVersion = 0;
         double metersPerUnit = 0;
         float quality = 0;
-        std::string transport;
+        std::string transport, integrator;
         std::shared_ptr<const PreparedMesh> mesh; // null where nothing can be drawn
         std::vector<PlanEntry> plan;
     };
@@ -82,7 +88,10 @@ struct Renderer::Impl {
                                              [](const PreparedInstance& i) { return !i.motion.empty(); });
     }
     std::shared_ptr<const PlainMaterial> materialOf(const SceneMesh& mesh, const Scene& source);
-    void sampleBlock(Integrator& integrator, int x0, int y0, std::uint32_t pass, const RayCone& cone, bool motion);
+    bool traces() const { return settings.integrator != kTables; }
+    LightSet lightsOf(const Scene& source);
+    void sampleBlock(Integrator& integrator, PathTracer* traced, int x0, int y0, std::uint32_t pass,
+                     const RayCone& cone, bool motion);
     void restartSampling() {
         adaptive.restart(film.width(), film.height());
         passDone.assign(std::size_t(film.width()) * std::size_t(film.height()), 0);
@@ -97,6 +106,8 @@ struct Renderer::Impl {
     Camera givenCamera, camera; ///< as the host says, and as the settings have it
     FrameWindow window;
     Film film;
+    PathTracerProvider reference;
+    PathTracerMaker tracer; ///< of the prepared scene, where it is path traced
     ShellBuilder builder;
     ShellCores cores;
     std::map<std::string, Kept> kept;
@@ -124,6 +135,7 @@ void Renderer::Impl::prepareMesh(const std::string& id, const SceneMesh& m, doub
     k.metersPerUnit = metersPerUnit;
     k.quality = settings.quality;
     k.transport = settings.transport;
+    k.integrator = settings.integrator;
     k.mesh = nullptr;
     k.plan.clear();
     ControlMesh mesh = *m.mesh;
@@ -383,8 +395,8 @@ void Renderer::Impl::placeInstances(const Scene& source) {
     scene->shadowOffset = 1e-5f * box.diagonal() + scene->rounding;
 }
 
-Renderer::Renderer(TableProvider tables, MapProvider maps)
-    : impl_(std::make_unique<Impl>(std::move(tables), std::move(maps))) {}
+Renderer::Renderer(TableProvider tables, MapProvider maps, PathTracerProvider reference)
+    : impl_(std::make_unique<Impl>(std::move(tables), std::move(maps), std::move(reference))) {}
 Renderer::~Renderer() = default;
 
 void Renderer::setMessages(MessageSink messages) {
@@ -393,6 +405,10 @@ void Renderer::setMessages(MessageSink messages) {
 }
 
 void Renderer::setSettings(const RenderSettings& settings) {
+    if (settings.integrator != kTables && (settings.integrator != kTraced || !impl_->reference)) {
+        throw Error("no integrator \"" + settings.integrator + "\"; there is " + kTables +
+                    (impl_->reference ? std::string(" and ") + kTraced : std::string()));
+    }
     impl_->filter = filterOf(settings);
     impl_->settings = settings;
     impl_->chooseCamera();
@@ -427,7 +443,7 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
         !s.scene || !s.scene->surfacesBounce || (s.settings.maxDepth > 0) == (s.preparedSettings.maxDepth > 0);
     if (s.scene && coresStay && source.version() == s.preparedVersion &&
         s.settings.quality == s.preparedSettings.quality && s.settings.transport == s.preparedSettings.transport &&
-        s.settings.seed == s.preparedSettings.seed &&
+        s.settings.integrator == s.preparedSettings.integrator && s.settings.seed == s.preparedSettings.seed &&
         (!s.hasMotion || s.camera.optics().shutter == s.preparedShutter)) {
         if (s.settings.maxDepth != s.preparedSettings.maxDepth) {
             s.preparedSettings.maxDepth = s.settings.maxDepth;
@@ -453,7 +469,7 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
         const bool needed = m.visible && m.mesh && !m.instances.empty();
         const bool current = k.meshVersion == m.meshVersion && k.stfVersion == m.stfVersion &&
                              k.metersPerUnit == source.metersPerUnit() && k.quality == s.settings.quality &&
-                             k.transport == s.settings.transport;
+                             k.transport == s.settings.transport && k.integrator == s.settings.integrator;
         if (needed && !current) {
             s.prepareMesh(id, m, source.metersPerUnit(), k, progress);
         } else if (!needed) {
@@ -461,10 +477,11 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
             k.meshVersion = 0;
         }
     }
-    if (s.lightVersion != source.lightVersion()) {
-        s.scene->lights = LightSet(source.lights(), [&](Severity v, const std::string& text) { s.say(v, text); });
+    if (s.lightVersion != source.lightVersion() || s.traces() || s.tracer) {
+        s.scene->lights = s.lightsOf(source);
         s.lightVersion = source.lightVersion();
     }
+    s.tracer = {};
     s.placeInstances(source);
     s.planSurfaces();
     s.planCamera(source);
@@ -490,7 +507,7 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
     std::string summary;
     for (PreparedInstance& i : s.scene->instances) {
         const ShellObject* shell = i.mesh->shell.get();
-        if (shell && !shell->coreBlack && (s.scene->lights.count() > 0 || emits(i) || bounces)) {
+        if (shell && !s.traces() && !shell->coreBlack && (s.scene->lights.count() > 0 || emits(i) || bounces)) {
             ++solved;
             const std::shared_ptr<const ShellCore> core = s.cores.prepare(*shell, s.settings.seed, progress);
             i.core = shell->grid->spreadCoreRadiance(
@@ -503,7 +520,8 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
     s.scenePlan.push_back(
         {"scene", "core", solved > 0,
          solved ? "solved for lights and geometry, instances: " + std::to_string(solved) + ", the first: " + summary
-                : "no lit shell with a core that scatters",
+         : s.traces() ? "path traced"
+                      : "no lit shell with a core that scatters",
          since(coreStart)});
     // What is held now, not what was ever made: edits replace tables and grids.
     s.stats.tableBytes = s.stats.shellBytes = 0;
@@ -519,13 +537,38 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
             }
         }
     }
+    if (s.traces()) {
+        s.tracer = s.reference(*s.scene);
+    }
     s.preparedSettings = s.settings;
     s.preparedVersion = source.version();
 }
 
+// The lights of the scene; where paths are refracted on their way to them they need an extent that can be met.
+LightSet Renderer::Impl::lightsOf(const Scene& source) {
+    const MessageSink messages = [this](Severity v, const std::string& text) { say(v, text); };
+    const bool refracts = std::any_of(kept.begin(), kept.end(), [](const auto& k) {
+        return k.second.mesh && k.second.mesh->shell && k.second.mesh->shell->medium->refracts();
+    });
+    if (!traces() || !refracts) {
+        return LightSet(source.lights(), messages);
+    }
+    std::map<std::string, Light> lights = source.lights();
+    for (auto& [id, light] : lights) {
+        if (light.type == Light::Type::Distant && light.angle < kLeastMetAngle) {
+            LightSet::widen(light, kLeastMetAngle);
+            std::ostringstream text;
+            text << id << ": paths that are refracted cannot meet so small a light; the reference takes "
+                 << kLeastMetAngle << " degrees";
+            say(Severity::Warning, text.str());
+        }
+    }
+    return LightSet(lights, messages);
+}
+
 // A pass over neighbouring pixels, whose camera rays are traced together.
-void Renderer::Impl::sampleBlock(Integrator& integrator, int x0, int y0, std::uint32_t pass, const RayCone& cone,
-                                 bool motion) {
+void Renderer::Impl::sampleBlock(Integrator& integrator, PathTracer* traced, int x0, int y0, std::uint32_t pass,
+                                 const RayCone& cone, bool motion) {
     const int width = film.width(), height = film.height();
     const bool lens = camera.optics().lens.blurs();
     const auto ndc = [&](double x, double y) {
@@ -569,6 +612,12 @@ void Renderer::Impl::sampleBlock(Integrator& integrator, int x0, int y0, std::ui
     for (int i = 0; i < middles.count; ++i) {
         film.setHit(pixels[i].x, pixels[i].y, integrator.firstHit(middles, i, camera));
     }
+    if (traced) {
+        for (int i = 0; i < bundle.count; ++i) {
+            film.add(pixels[i].x, pixels[i].y, traced->sample(bundle.ray[i], bundle.time[i], *samplers[i]));
+        }
+        return;
+    }
     integrator.meet(bundle);
     for (int i = 0; i < bundle.count; ++i) {
         film.add(pixels[i].x, pixels[i].y, integrator.sample(bundle, i, cone, *samplers[i]));
@@ -594,7 +643,7 @@ bool Renderer::renderPass(Progress& progress) {
     s.scene->clearAlpha = s.clearAlpha;
     s.scene->maxDepth = s.settings.maxDepth;
     s.scene->indirectClamp = s.settings.indirectClamp;
-    s.scene->regularize = s.settings.regularize;
+    s.scene->regularize = s.settings.regularize && !s.traces();
     Box3f start; // of camera rays, twice as wide as the picture
     for (const Vec2d& corner : {Vec2d{-2, -2}, Vec2d{2, -2}, Vec2d{-2, 2}, Vec2d{2, 2}}) {
         start.add(s.camera.ray(corner.x, corner.y, s.scene->origin).origin);
@@ -611,6 +660,7 @@ bool Renderer::renderPass(Progress& progress) {
     parallelFor(std::size_t(tilesX) * std::size_t(tilesY), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t tile = begin; tile < end && !progress.cancelled(); ++tile) {
             Integrator integrator(*s.scene);
+            const std::unique_ptr<PathTracer> traced = s.tracer ? s.tracer() : nullptr;
             const int x0 = int(tile) % tilesX * kTile, y0 = int(tile) / tilesX * kTile;
             // Of the pixel in the tile's middle: it hardly changes within.
             const RayCone cone =
@@ -619,10 +669,10 @@ bool Renderer::renderPass(Progress& progress) {
                               2.0 / s.window.frameHeight, s.settings.samples);
             for (int y = y0; y < y0 + kTile; y += kBlock) {
                 for (int x = x0; x < x0 + kTile; x += kBlock) {
-                    s.sampleBlock(integrator, x, y, pass, cone, motion);
+                    s.sampleBlock(integrator, traced.get(), x, y, pass, cone, motion);
                 }
             }
-            rays += integrator.rays();
+            rays += integrator.rays() + (traced ? traced->rays() : 0);
         }
     });
     s.stats.rays += rays;

@@ -4,6 +4,7 @@
 #include "stfLib/base/progress.h"
 #include "stfLib/render/camera.h"
 #include "stfLib/render/film.h"
+#include "stfLib/render/path_tracer.h"
 #include "stfLib/render/scene.h"
 
 #include <functional>
@@ -32,12 +33,14 @@ struct RenderSettings {
     std::string pixelFilter = "blackmanHarris"; ///< box, triangle, gaussian, blackmanHarris
     float pixelFilterWidth = 0;                 ///< of its support, pixels; 0: the filter's own
     bool depthOfField = true;                   ///< the camera's lens counts; else it is a pinhole
+    std::string integrator = "stf";             ///< stf, or reference: path traced, without tables
     bool motionBlur = true;                     ///< what moves while the shutter is open is blurred
     bool operator==(const RenderSettings& s) const {
         return samples == s.samples && seed == s.seed && errorTarget == s.errorTarget && threads == s.threads &&
                quality == s.quality && transport == s.transport && maxDepth == s.maxDepth &&
                indirectClamp == s.indirectClamp && regularize == s.regularize && pixelFilter == s.pixelFilter &&
-               pixelFilterWidth == s.pixelFilterWidth && depthOfField == s.depthOfField && motionBlur == s.motionBlur;
+               pixelFilterWidth == s.pixelFilterWidth && depthOfField == s.depthOfField && integrator == s.integrator &&
+               motionBlur == s.motionBlur;
     }
 };
 
@@ -75,13 +78,14 @@ using MapProvider = std::function<std::shared_ptr<const ExemplarMap>(
 /// progress handed to `prepare` and `renderPass` may be called from any other.
 class Renderer {
 public:
-    explicit Renderer(TableProvider tables = {}, MapProvider maps = {});
+    /// `reference`: for the setting `integrator`; without it there is only stf.
+    explicit Renderer(TableProvider tables = {}, MapProvider maps = {}, PathTracerProvider reference = {});
     ~Renderer();
     Renderer(const Renderer&) = delete;
     Renderer& operator=(const Renderer&) = delete;
 
     void setMessages(MessageSink messages);
-    /// Throws Error for a pixel filter that does not exist.
+    /// Throws Error for a pixel filter or an integrator that does not exist.
     void setSettings(const RenderSettings& settings);
     void setCamera(const Camera& camera, int width, int height);
     void setCamera(const Camera& camera, const FrameWindow& window);

@@ -60,6 +60,11 @@ CoreMaterial coreOf(const StfBinding& binding, const BaseVolume& volume, std::st
     return core;
 }
 
+// Whether pictures are path traced, without tables.
+bool isTraced(const ShellStage& stage) {
+    return stage.settings.integrator != RenderSettings().integrator;
+}
+
 CoreModel modelOf(const StfBinding& binding) {
     return binding.coreModel == "dipole" ? CoreModel::Dipole
            : binding.coreModel == "walk" ? CoreModel::Walk
@@ -133,6 +138,16 @@ std::string ShellMaterials::contentHash(const std::shared_ptr<const BaseVolume>&
 }
 
 void ShellMaterials::addLevels(const StfBinding& binding, bool blends, const ShellStage& stage, ShellObject& o) {
+    if (isTraced(stage)) {
+        o.pyramid = std::make_shared<const TilePyramid>(*o.volume, o.medium, o.table);
+        if (blends) {
+            o.mixers = {std::make_shared<const HistogramBlend>(*o.medium, nullptr, false)};
+            report(stage.messages, Severity::Warning,
+                   "the sample is blended over the surface; the reference shows of each point the place of the "
+                   "largest weight alone");
+        }
+        return;
+    }
     const StageTimer timer;
     std::ostringstream key;
     key << static_cast<const void*>(o.table.get()) << ";" << static_cast<const void*>(o.medium.get()) << ";"
@@ -219,6 +234,13 @@ float ShellMaterials::qualityOf(const StfBinding& binding, const ShellStage& sta
 
 void ShellMaterials::addTransport(const StfBinding& binding, const ShellStage& stage, ShellObject& o) {
     const StageTimer timer;
+    if (isTraced(stage)) {
+        // What the first hits of pixels are found by; there is no light in the table.
+        o.medium = std::make_shared<const TileMedium>(*o.volume, TransportForm::Classic);
+        o.table = std::make_shared<const StfTable>();
+        stage.note("transport", false, "path traced", 0);
+        return;
+    }
     TransportOptions options;
     options.quality = qualityOf(binding, stage);
     options.form = formOf(binding, stage.settings, stage.messages);

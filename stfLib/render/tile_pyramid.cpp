@@ -76,11 +76,16 @@ double squaredError(const std::vector<std::vector<Rgb>>& fine, const std::vector
 } // namespace
 
 TilePyramid::TilePyramid(const BaseVolume& volume, std::shared_ptr<const TileMedium> medium,
-                         std::shared_ptr<const StfTable> table, bool backlight, double tolerance)
+                         std::shared_ptr<const StfTable> table)
     : voxelMm_(float(std::max(volume.voxelMm.x, volume.voxelMm.y))) {
     levels_.emplace_back();
-    levels_[0].medium = medium;
-    levels_[0].table = table;
+    levels_[0].medium = std::move(medium);
+    levels_[0].table = std::move(table);
+}
+
+TilePyramid::TilePyramid(const BaseVolume& volume, std::shared_ptr<const TileMedium> medium,
+                         std::shared_ptr<const StfTable> table, bool backlight, double tolerance)
+    : TilePyramid(volume, medium, table) {
     std::vector<std::vector<Rgb>> fine;
     for (int factor = 2;; factor *= 2) {
         if (!canCoarsen(volume, *medium, factor)) {

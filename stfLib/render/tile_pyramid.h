@@ -17,6 +17,9 @@ public:
     };
 
     TilePyramid() = default;
+    /// The tile alone.
+    TilePyramid(const BaseVolume& volume, std::shared_ptr<const TileMedium> medium,
+                std::shared_ptr<const StfTable> table);
     /// Adds levels as long as each changes the mean radiance, measured by marches, by at most `tolerance` (relative).
     /// `why` says where and why it ended.
     TilePyramid(const BaseVolume& volume, std::shared_ptr<const TileMedium> medium,

@@ -31,6 +31,8 @@ TEST(Settings, ValuesOutOfRangeAreBroughtInOrRefused) {
     EXPECT_TRUE(normalized("stageMetersPerUnit", VtValue(std::numeric_limits<double>::quiet_NaN())).IsEmpty());
     EXPECT_TRUE(normalized("stf:samples", VtValue(std::string("many"))).IsEmpty());
     EXPECT_TRUE(normalized("stf:transport", VtValue(std::string("similarity"))).IsEmpty());
+    EXPECT_EQ(normalized("stf:integrator", VtValue(TfToken("reference"))), VtValue(std::string("reference")));
+    EXPECT_TRUE(normalized("stf:integrator", VtValue(std::string("bdpt"))).IsEmpty());
     EXPECT_TRUE(normalized("noSuchSetting", VtValue(1)).IsEmpty());
 }
 

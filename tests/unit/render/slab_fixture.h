@@ -34,6 +34,7 @@ struct Slab {
     std::string transport; ///< empty: the renderer's default
     RenderSettings settings;
     TableProvider tables = sharedTables;
+    PathTracerProvider reference; ///< of the setting `integrator`
     std::vector<std::string> messages;
     std::vector<PlanEntry> plan;
 
@@ -194,13 +195,14 @@ private:
         }
 
         tableError_ = 0;
-        auto renderer = std::make_unique<Renderer>([this](const std::shared_ptr<const BaseVolume>& asked,
-                                                          const TransportOptions& options, Progress& progress,
-                                                          const MessageSink& sink) {
-            const std::shared_ptr<const StfTable> table = tables(asked, options, progress, sink);
-            tableError_ = table->error.total();
-            return table;
-        });
+        auto renderer = std::make_unique<Renderer>(
+            [this](const std::shared_ptr<const BaseVolume>& asked, const TransportOptions& options, Progress& progress,
+                   const MessageSink& sink) {
+                const std::shared_ptr<const StfTable> table = tables(asked, options, progress, sink);
+                tableError_ = table->error.total();
+                return table;
+            },
+            MapProvider(), reference);
         renderer->setMessages([this](Severity, const std::string& text) { messages.push_back(text); });
         renderer->setSettings(settings);
         Progress progress;
