@@ -69,10 +69,12 @@ LightGather::LightGather(const PreparedInstance& instance, const PreparedScene& 
                 const Vec3f d = cosineHemisphere(sampler.next2d());
                 ray.direction = normalize(x * d.x + y * d.y + normal * d.z);
                 const PlainShader::Sight sight = plain.look(ray, sampler);
-                if (sight.shell) {
-                    links[begin / kGrain].push_back({std::uint32_t(i), sight.hit.instance, sight.hit.triangle,
-                                                     sight.hit.u, sight.hit.v, ray.direction});
-                } else if (maxComponent(sight.radiance) > 0) {
+                if (maxComponent(sight.weight) > 0) {
+                    const RayHit& at = sight.hit;
+                    links[begin / kGrain].push_back(
+                        {std::uint32_t(i), at.instance, at.triangle, at.u, at.v, sight.weight, ray.direction});
+                }
+                if (maxComponent(sight.radiance) > 0) {
                     plain_[i].add(ray.direction, sight.radiance);
                     dark = false;
                 }
@@ -97,7 +99,7 @@ std::size_t LightGather::markSeen(std::vector<char>& seen) const {
 std::vector<IndirectLight> LightGather::light(const PreparedScene& scene) const {
     std::vector<IndirectSum> sums = plain_;
     for (const Link& l : links_) {
-        sums[l.sample].add(l.towards, exitantAt(scene.instances[l.instance], l.triangle, l.u, l.v));
+        sums[l.sample].add(l.towards, l.weight * exitantAt(scene.instances[l.instance], l.triangle, l.u, l.v));
     }
     std::vector<Rgb> mean(sums.size());
     std::vector<Vec3f> slope(sums.size());

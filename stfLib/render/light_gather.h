@@ -21,9 +21,9 @@ struct SurfaceSampling {
     SurfaceSampling(const ShellObject& shell, std::size_t wanted, std::uint64_t seed);
 };
 
-/// Light that one shell gets from other surfaces: rays from samples of its surface, traced once. Those that meet plain
-/// surfaces bring what light these get directly, those that meet shells (the own one included) name the place, so that
-/// what leaves there may change.
+/// Light that one shell gets from other surfaces: paths from samples of its surface, traced once. From
+/// plain surfaces they bring what light these get directly; where they end at shells (the own one included) they name
+/// the place, so that what leaves there may change.
 class LightGather {
 public:
     /// Deterministic by `seed`. Throws Cancelled.
@@ -33,7 +33,7 @@ public:
 
     const SurfaceSampling& sampling() const { return *sampling_; }
     std::uint64_t rays() const { return rays_; }
-    /// Rays that met shells; `seen`, by instance, is set for these.
+    /// Paths that end at shells; `seen`, by instance, is set for these.
     std::size_t markSeen(std::vector<char>& seen) const;
     bool dark() const { return dark_ && links_.empty(); }
     /// At the points of the surface, relative; with what leaves the shells at present (PreparedInstance::exitant).
@@ -43,6 +43,7 @@ private:
     struct Link {
         std::uint32_t sample, instance, triangle;
         float u, v;
+        Rgb weight;
         Vec3f towards;
     };
     std::shared_ptr<const SurfaceSampling> sampling_;

@@ -23,16 +23,16 @@ public:
     Step shade(LightPath& path, const PreparedInstance& instance, const Surfel& surfel, const RayHit& hit,
                PixelSampler& sampler);
 
-    /// What comes along a ray from the first surface that it meets, by one bounce.
+    /// What comes along a ray by way of plain surfaces.
     struct Sight {
-        bool shell = false; ///< the front of a shell, at `hit`: its light is not asked for
-        Rgb radiance{0.0f}; ///< of a plain surface: its emission and the light that it gets directly
+        Rgb radiance{0.0f}; ///< their emission and the light that they get directly, after up to maxDepth bounces
+        Rgb weight{0.0f};   ///< of light that leaves a shell, where the path ends at the front of one, at `hit`
         RayHit hit;
     };
-    /// Emission of meshes that samples of lights find as well is left to these, but for a share by the balance
-    /// heuristic where `density`, of the ray per solid angle, says how many such rays there are for each of
-    /// `lightSamples` samples.
-    Sight look(const Ray& ray, PixelSampler& sampler, float density = 0, int lightSamples = 1);
+    /// Emission of meshes that samples of lights find as well is left to these, but for what the ray itself meets,
+    /// where `density`, of the ray per solid angle, says how many such rays there are for each of `lightSamples`
+    /// samples (balance heuristic).
+    Sight look(Ray ray, PixelSampler& sampler, float density = 0, int lightSamples = 1);
 
     /// Light that other surfaces send to a point (world) of a shell: one direction by the cosine to its normal, and
     /// what comes from there, as perpendicular irradiance over the density; of shells the radiance that is kept for

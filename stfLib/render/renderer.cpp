@@ -439,16 +439,11 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
     Impl& s = *impl_;
     setThreadCount(s.settings.threads);
     s.prepareStart = Clock::now();
-    // Whether surfaces give light back at all, shells and cores have to know.
-    const bool coresStay = (s.settings.maxDepth > 0) == (s.preparedSettings.maxDepth > 0);
-    if (s.scene && coresStay && source.version() == s.preparedVersion &&
+    // Light between surfaces, shells and cores depends on the number of bounces.
+    if (s.scene && s.settings.maxDepth == s.preparedSettings.maxDepth && source.version() == s.preparedVersion &&
         s.settings.quality == s.preparedSettings.quality && s.settings.transport == s.preparedSettings.transport &&
         s.settings.integrator == s.preparedSettings.integrator && s.settings.seed == s.preparedSettings.seed &&
         (!s.hasMotion || s.camera.optics().shutter == s.preparedShutter)) {
-        if (s.settings.maxDepth != s.preparedSettings.maxDepth) {
-            s.preparedSettings.maxDepth = s.settings.maxDepth;
-            s.planSurfaces(); // all that it changes of what is prepared
-        }
         s.planCamera(source);
         return;
     }
@@ -529,6 +524,7 @@ void Renderer::Impl::balanceLight(Progress& progress) {
         scenePlan.push_back({"scene", "indirect", false, "path traced", 0});
         return;
     }
+    scene->maxDepth = settings.maxDepth;
     const LightBalance::Report r = balance.solve(*scene, settings.maxDepth > 0, settings.seed, progress);
     stats.coreSeconds += r.coreSeconds;
     stats.indirectSeconds += r.indirectSeconds;
@@ -647,7 +643,6 @@ bool Renderer::renderPass(Progress& progress) {
     setThreadCount(s.settings.threads);
     s.scene->clearColor = s.clearColor * float(std::exp2(-s.camera.optics().exposure));
     s.scene->clearAlpha = s.clearAlpha;
-    s.scene->maxDepth = s.settings.maxDepth;
     s.scene->indirectClamp = s.settings.indirectClamp;
     s.scene->irradianceCache = s.settings.irradianceCache;
     s.scene->regularize = s.settings.regularize && !s.traces();
