@@ -7,7 +7,6 @@
 #include "stfLib/optics/fresnel.h"
 #include "stfLib/render/scene_rays.h"
 #include "stfLib/render/shell_march.h"
-#include "stfLib/render/surface_point.h"
 #include "stfLib/transport/lateral_filter.h"
 #include "stfLib/transport/tile_tracer.h"
 
@@ -350,14 +349,11 @@ std::vector<Rgb> CoreLighting::radiance(Progress& progress) const {
         parallelFor(count, 64, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
                 const Impl::Place place = s.placeOf(i);
-                const IndirectLight indirect = betweenCorners(
-                    s.instance.indirect, s.object.surface->triangles[place.at.triangle], place.at.b1, place.at.b2);
-                if (!(maxComponent(indirect.mean) > 0)) {
-                    continue;
-                }
+                const Vec3i& corners = s.object.surface->triangles[place.at.triangle];
                 for (int k = 0; k < kIndirectTurns; ++k) {
                     PixelSampler sampler(s.seed + kIndirectSeed, i, std::uint32_t(k));
-                    const IndirectSample from = sampleIndirect(indirect, place.worldNormal, sampler);
+                    const IndirectSample from = sampleIndirect(s.instance.indirect, corners, place.at.b1, place.at.b2,
+                                                               place.worldNormal, sampler);
                     for (int d = 0; d < IndirectSample::kDirections; ++d) {
                         if (const Vec3f local = s.inTile(place, from.towards[d]); local.z > 0) {
                             s.shine(place, local, from.irradiance[d] / float(kIndirectTurns), light.diffuse[i],

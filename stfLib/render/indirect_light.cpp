@@ -1,61 +1,69 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stfLib/render/indirect_light.h"
 
+#include "stfLib/render/surface_point.h"
+
 #include <algorithm>
 
 namespace stf {
 
 namespace {
 
-constexpr float kSteepest = 1.5f; ///< slope over mean: from bright to black across the hemisphere
-constexpr float kDarkest = 0.05f; ///< of the mean: no direction is wholly left out
+/// Least cosine: what grazes a surface comes from a little higher, since what bends away in a shell would see its
+/// perpendicular irradiance, which has no bound. It is a 400th of all light of an even hemisphere.
+constexpr float kLowest = 0.05f;
 constexpr float kPi = 3.14159265358979f;
 
 } // namespace
 
-// Under a density of cosine / pi: E[z] = 2/3, Var[z] = 1/18, E[x^2] = 1/4, and x, y, z are not correlated.
-IndirectLight IndirectSum::light(int rays, const Vec3f& normal) const {
-    const float inverse = 1 / float(rays);
-    const Rgb mean = radiance_ * inverse;
-    const Vec3f moment = moment_ * inverse;
-    const float along = dot(moment, normal);
-    const Vec3f across = moment - normal * along;
-    return {mean, across * 4.0f + normal * (18 * (along - average(mean) * (2.0f / 3)))};
+void chooseDirections(std::vector<IndirectRay>& rays, const Vec3f& normal, float u, Vec3f* directions) {
+    std::sort(rays.begin(), rays.end(), [&](const IndirectRay& a, const IndirectRay& b) {
+        return dot(a.towards, normal) > dot(b.towards, normal);
+    });
+    double all = 0;
+    for (const IndirectRay& r : rays) {
+        all += double(average(r.radiance));
+    }
+    constexpr int n = IndirectLight::kDirections;
+    if (!(all > 0)) {
+        std::fill(directions, directions + n, normal);
+        return;
+    }
+    double upTo = 0;
+    int k = 0;
+    for (const IndirectRay& r : rays) {
+        upTo += double(average(r.radiance));
+        for (; k < n && (k + double(u)) * all < upTo * n; ++k) {
+            directions[k] = r.towards;
+        }
+    }
+    for (; k < n; ++k) { // rounding
+        directions[k] = rays.back().towards;
+    }
 }
 
-IndirectLight relative(const IndirectLight& absolute) {
-    const float mean = average(absolute.mean);
-    if (!(mean > 0)) {
-        return {};
-    }
-    const Vec3f slope = absolute.slope / mean;
-    const float steep = length(slope);
-    return {absolute.mean, steep > kSteepest ? slope * (kSteepest / steep) : slope};
-}
-
-IndirectSample sampleIndirect(const IndirectLight& light, const Vec3f& normal, PixelSampler& sampler) {
-    static const float nodes[IndirectSample::kDirections] = {std::sqrt(0.5f + std::sqrt(1.0f / 12)),
-                                                             std::sqrt(0.5f - std::sqrt(1.0f / 12))};
-    const float middle = 0.5f * (nodes[0] + nodes[1]); // E[z] by the rule; it is 2/3
-    Vec3f x, y;
-    orthonormalBasis(normal, x, y);
-    const Vec2f u = sampler.next2d(), v = sampler.next2d();
-    const float turn[] = {u.x, u.y}, pick[] = {v.x, v.y};
-    const float along = dot(light.slope, normal);
-    float bright[IndirectSample::kDirections], sum = 0;
-    for (int k = 0; k < IndirectSample::kDirections; ++k) {
-        bright[k] = std::max(kDarkest, 1 + along * (nodes[k] - middle));
-        sum += bright[k];
-    }
+IndirectSample sampleIndirect(const IndirectLight& light, const Vec3i& corners, float u, float v, const Vec3f& normal,
+                              PixelSampler& sampler) {
     IndirectSample out;
+    const Rgb share = betweenCorners(light.mean, corners, u, v) * (kPi / float(IndirectSample::kDirections));
+    const Vec2f which = sampler.next2d();
+    const float corner = sampler.next1d();
+    const int point = corner < u ? corners.y : corner < u + v ? corners.z : corners.x;
+    const std::size_t first = std::size_t(light.sample[std::size_t(point)]) * IndirectLight::kDirections;
+    constexpr int half = IndirectLight::kDirections / IndirectSample::kDirections;
+    const float picks[] = {which.x, which.y};
     for (int k = 0; k < IndirectSample::kDirections; ++k) {
-        const float cosine = nodes[k], sine = std::sqrt(1 - cosine * cosine), phi = 2 * kPi * turn[k];
-        Vec3f across = (x * std::cos(phi) + y * std::sin(phi)) * sine;
-        // One of two opposite sides: both together are as bright as the mean.
-        const float tilt = std::clamp(dot(light.slope, across) / bright[k], kDarkest - 1, 1 - kDarkest);
-        across = pick[k] < 0.5f * (1 + tilt) ? across : -across;
-        out.towards[k] = across + normal * cosine;
-        out.irradiance[k] = light.mean * (kPi * bright[k] / (sum * cosine));
+        const int j = k * half + std::min(half - 1, int(picks[k] * float(half)));
+        Vec3f d = light.directions[first + std::size_t(j)];
+        float cosine = dot(d, normal);
+        if (cosine < kLowest) {
+            const Vec3f across = d - normal * cosine;
+            const float length2 = dot(across, across);
+            cosine = length2 > 0 ? kLowest : 1.0f;
+            d = length2 > 0 ? across * std::sqrt((1 - kLowest * kLowest) / length2) + normal * kLowest : normal;
+        }
+        out.towards[k] = d;
+        out.irradiance[k] = share / cosine;
     }
     return out;
 }

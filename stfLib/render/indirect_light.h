@@ -4,46 +4,44 @@
 #include "stfLib/base/sampler.h"
 #include "stfLib/base/vec.h"
 
+#include <cstdint>
+#include <vector>
+
 namespace stf {
 
-/// Light that a place of a shell's surface gets from other surfaces: radiance that grows linearly across the
-/// hemisphere, fitted to rays by their first moments.
+/// Light that a shell's surface gets from other surfaces: radiance for points of the surface, and where it comes from
+/// for samples of it.
 struct IndirectLight {
-    Rgb mean{0.0f};    ///< radiance, mean by the cosine to the normal: irradiance / pi
-    Vec3f slope{0.0f}; ///< world, of the radiance over its mean, per unit of direction
+    static constexpr int kDirections = 32; ///< kept for a sample
 
-    IndirectLight operator*(float s) const { return {mean * s, slope * s}; }
-    IndirectLight operator+(const IndirectLight& o) const { return {mean + o.mean, slope + o.slope}; }
+    std::vector<Rgb> mean;             ///< per point: radiance, mean by the cosine to the normal: irradiance / pi
+    std::vector<std::uint32_t> sample; ///< per point: the sample that is nearest
+    /// Per sample, kDirections of them: unit, world, each for the same share of the irradiance; those that are high
+    /// above the surface come first.
+    std::vector<Vec3f> directions;
+
+    bool empty() const { return mean.empty(); }
 };
 
-/// Sums of rays that were chosen by the cosine to a normal.
-class IndirectSum {
-public:
-    void add(const Vec3f& towards, const Rgb& radiance) {
-        radiance_ += radiance;
-        moment_ += towards * average(radiance);
-    }
-    /// Of `rays` in all. The slope counts by its brightness, so that means of several places can be taken: `relative`
-    /// makes it one over the mean.
-    IndirectLight light(int rays, const Vec3f& normal) const;
-
-private:
-    Rgb radiance_{0.0f};
-    Vec3f moment_{0.0f};
+/// Rays of one sample, and what they brought.
+struct IndirectRay {
+    Vec3f towards;
+    Rgb radiance;
 };
+/// Chooses kDirections of rays, which were drawn by the cosine to `normal`, by how bright they are: systematic
+/// resampling in the order of their height (Kitagawa 1996), `u` in [0, 1). Dark samples look along the normal.
+void chooseDirections(std::vector<IndirectRay>& rays, const Vec3f& normal, float u, Vec3f* directions);
 
-/// The slope over the mean, at most as steep as keeps radiance from falling below zero in most of the hemisphere.
-IndirectLight relative(const IndirectLight& absolute);
-
-/// Directions that stand for the hemisphere, and the perpendicular irradiance of each (world). Their angles to the
-/// normal are the nodes of Gauss's rule for two points under a density of cosine / pi, which is exact for cubics in the
-/// squared cosine; around the normal they are chosen by how bright it is there. Together they bring the whole
-/// irradiance, so that hardly any noise is left. `light` is relative.
+/// Directions that stand for all the light of a point, and the perpendicular irradiance of each (world): one of the
+/// upper and one of the lower half. Together they bring the whole irradiance, so that what noise is left comes from how
+/// differently directions go through a shell.
 struct IndirectSample {
     static constexpr int kDirections = 2;
     Vec3f towards[kDirections];
     Rgb irradiance[kDirections];
 };
-IndirectSample sampleIndirect(const IndirectLight& light, const Vec3f& normal, PixelSampler& sampler);
+/// At (u, v) of a triangle whose corners are points of the surface; `normal`: there, unit, world.
+IndirectSample sampleIndirect(const IndirectLight& light, const Vec3i& corners, float u, float v, const Vec3f& normal,
+                              PixelSampler& sampler);
 
 } // namespace stf

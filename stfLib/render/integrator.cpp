@@ -68,12 +68,10 @@ int Integrator::lightsOnShell(const PreparedInstance& instance, const Surfel& su
     }
     if (kept) {
         const Vec3i& corners = instance.mesh->surface->triangles[surfel.triangle];
-        const IndirectLight light = betweenCorners(instance.indirect, corners, surfel.u, surfel.v);
-        if (maxComponent(light.mean) > 0) {
-            const IndirectSample from = sampleIndirect(light, surfel.normal, sampler);
-            for (int k = 0; k < IndirectSample::kDirections; ++k) {
-                lights[count++] = {instance.objectDirection(from.towards[k]), from.irradiance[k], from.irradiance[k]};
-            }
+        const IndirectSample from =
+            sampleIndirect(instance.indirect, corners, surfel.u, surfel.v, surfel.normal, sampler);
+        for (int k = 0; k < IndirectSample::kDirections && maxComponent(from.irradiance[k]) > 0; ++k) {
+            lights[count++] = {instance.objectDirection(from.towards[k]), from.irradiance[k], from.irradiance[k]};
         }
     } else if (traced) {
         const Vec3f from = instance.worldPoint(surfel.shadowOrigin + objectNormal * offset);

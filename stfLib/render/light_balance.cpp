@@ -83,7 +83,7 @@ LightBalance::Report LightBalance::solve(PreparedScene& scene, bool bounces, std
     std::vector<PreparedInstance*> shells;
     for (PreparedInstance& i : scene.instances) {
         i.core.clear();
-        i.indirect.clear();
+        i.indirect = {};
         i.exitant.clear();
         if (i.mesh->shell) {
             shells.push_back(&i);

@@ -12,6 +12,7 @@ namespace stf {
 namespace {
 
 constexpr std::size_t kGrain = 16;
+constexpr std::uint64_t kChoiceSeed = 0x63686f696365;
 constexpr float kFilterSpacings = 2.0f; // radius within which samples make the light of a point
 
 } // namespace
@@ -33,6 +34,11 @@ SurfaceSampling::SurfaceSampling(const ShellObject& o, std::size_t wanted, std::
         area += double(at.areas[i]);
     }
     spacingMm = float(std::sqrt(area / double(std::max<std::size_t>(1, samples.count()))));
+    const NearestSample find(at, spacingMm);
+    nearest.resize(places.size());
+    for (std::size_t i = 0; i < places.size() && samples.count() > 0; ++i) {
+        nearest[i] = find.find(places[i], o.surface->normals[i]);
+    }
     toSurface = SampleFilter(at, places, o.surface->normals, {spacingMm * kFilterSpacings});
 }
 
@@ -45,8 +51,7 @@ LightGather::LightGather(const PreparedInstance& instance, const PreparedScene& 
     const ShellObject& shell = *instance.mesh->shell;
     const float offset = 1e-3f * shell.grid->voxelSize();
     normals_.resize(count);
-    plain_.resize(count);
-    std::vector<std::vector<Link>> links((count + kGrain - 1) / kGrain);
+    std::vector<std::vector<Way>> ways((count + kGrain - 1) / kGrain);
     std::mutex mutex;
     parallelFor(count, kGrain, [&](std::size_t begin, std::size_t end) {
         if (progress.cancelled()) {
@@ -54,7 +59,6 @@ LightGather::LightGather(const PreparedInstance& instance, const PreparedScene& 
         }
         SceneRays rays(scene);
         PlainShader plain(scene, rays);
-        bool dark = true;
         for (std::size_t i = begin; i < end; ++i) {
             Ray ray;
             const RayHit here = hitAt(instance, samples.places[i]);
@@ -69,52 +73,66 @@ LightGather::LightGather(const PreparedInstance& instance, const PreparedScene& 
                 const Vec3f d = cosineHemisphere(sampler.next2d());
                 ray.direction = normalize(x * d.x + y * d.y + normal * d.z);
                 const PlainShader::Sight sight = plain.look(ray, sampler);
-                if (maxComponent(sight.weight) > 0) {
+                if (maxComponent(sight.weight) > 0 || maxComponent(sight.radiance) > 0) {
                     const RayHit& at = sight.hit;
-                    links[begin / kGrain].push_back(
-                        {std::uint32_t(i), at.instance, at.triangle, at.u, at.v, sight.weight, ray.direction});
-                }
-                if (maxComponent(sight.radiance) > 0) {
-                    plain_[i].add(ray.direction, sight.radiance);
-                    dark = false;
+                    ways[begin / kGrain].push_back({std::uint32_t(i), ray.direction, sight.radiance, sight.weight,
+                                                    at.instance, at.triangle, at.u, at.v});
                 }
             }
         }
         const std::lock_guard<std::mutex> lock(mutex);
         rays_ += rays.count();
-        dark_ = dark_ && dark;
     });
-    for (const std::vector<Link>& l : links) {
-        links_.insert(links_.end(), l.begin(), l.end());
+    for (const std::vector<Way>& w : ways) {
+        ways_.insert(ways_.end(), w.begin(), w.end());
     }
 }
 
 std::size_t LightGather::markSeen(std::vector<char>& seen) const {
-    for (const Link& l : links_) {
-        seen[l.instance] = 1;
+    std::size_t links = 0;
+    for (const Way& w : ways_) {
+        if (maxComponent(w.weight) > 0) {
+            seen[w.instance] = 1;
+            ++links;
+        }
     }
-    return links_.size();
+    return links;
 }
 
-std::vector<IndirectLight> LightGather::light(const PreparedScene& scene) const {
-    std::vector<IndirectSum> sums = plain_;
-    for (const Link& l : links_) {
-        sums[l.sample].add(l.towards, l.weight * exitantAt(scene.instances[l.instance], l.triangle, l.u, l.v));
+IndirectLight LightGather::light(const PreparedScene& scene) const {
+    const std::size_t count = normals_.size();
+    IndirectLight out;
+    out.sample = sampling_->nearest;
+    out.directions.resize(count * IndirectLight::kDirections);
+    std::vector<std::size_t> first(count + 1, ways_.size());
+    for (std::size_t w = ways_.size(); w-- > 0;) {
+        first[ways_[w].sample] = w;
     }
-    std::vector<Rgb> mean(sums.size());
-    std::vector<Vec3f> slope(sums.size());
-    for (std::size_t i = 0; i < sums.size(); ++i) {
-        const IndirectLight light = sums[i].light(raysPerSample_, normals_[i]);
-        mean[i] = light.mean;
-        slope[i] = light.slope;
+    for (std::size_t i = count; i-- > 0;) {
+        first[i] = std::min(first[i], first[i + 1]);
     }
-    mean = sampling_->toSurface.apply(mean);
-    slope = sampling_->toSurface.apply(slope);
-    std::vector<IndirectLight> all(mean.size());
-    for (std::size_t i = 0; i < all.size(); ++i) {
-        all[i] = relative({mean[i], slope[i]});
-    }
-    return all;
+    std::vector<Rgb> mean(count);
+    parallelFor(count, 64, [&](std::size_t begin, std::size_t end) {
+        std::vector<IndirectRay> rays;
+        for (std::size_t i = begin; i < end; ++i) {
+            rays.clear();
+            Rgb sum(0.0f);
+            for (std::size_t w = first[i]; w < first[i + 1]; ++w) {
+                const Way& way = ways_[w];
+                Rgb radiance = way.plain;
+                if (maxComponent(way.weight) > 0) {
+                    radiance += way.weight * exitantAt(scene.instances[way.instance], way.triangle, way.u, way.v);
+                }
+                rays.push_back({way.towards, radiance});
+                sum += radiance;
+            }
+            mean[i] = sum / float(raysPerSample_);
+            PixelSampler sampler(kChoiceSeed, i, 0);
+            chooseDirections(rays, normals_[i], sampler.next1d(), &out.directions[i * IndirectLight::kDirections]);
+        }
+    });
+    out.mean = sampling_->toSurface.apply(mean);
+    return out;
 }
 
 } // namespace stf

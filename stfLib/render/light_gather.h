@@ -16,6 +16,7 @@ namespace stf {
 struct SurfaceSampling {
     BoundarySamples samples;
     SampleFilter toSurface;
+    std::vector<std::uint32_t> nearest; ///< sample, per point of the surface
     float spacingMm = 0;
 
     SurfaceSampling(const ShellObject& shell, std::size_t wanted, std::uint64_t seed);
@@ -35,24 +36,24 @@ public:
     std::uint64_t rays() const { return rays_; }
     /// Paths that end at shells; `seen`, by instance, is set for these.
     std::size_t markSeen(std::vector<char>& seen) const;
-    bool dark() const { return dark_ && links_.empty(); }
-    /// At the points of the surface, relative; with what leaves the shells at present (PreparedInstance::exitant).
-    std::vector<IndirectLight> light(const PreparedScene& scene) const;
+    bool dark() const { return ways_.empty(); }
+    /// With what leaves the shells at present (PreparedInstance::exitant).
+    IndirectLight light(const PreparedScene& scene) const;
 
 private:
-    struct Link {
-        std::uint32_t sample, instance, triangle;
-        float u, v;
-        Rgb weight;
+    struct Way {
+        std::uint32_t sample;
         Vec3f towards;
+        Rgb plain;                        ///< radiance by way of plain surfaces
+        Rgb weight;                       ///< of what leaves a shell where the path ends; 0: it does not end at one
+        std::uint32_t instance, triangle; ///< of that shell
+        float u, v;
     };
     std::shared_ptr<const SurfaceSampling> sampling_;
     int raysPerSample_;
     std::vector<Vec3f> normals_; ///< world, of the samples
-    std::vector<IndirectSum> plain_;
-    std::vector<Link> links_;
+    std::vector<Way> ways_;      ///< those that are not dark, by sample
     std::uint64_t rays_ = 0;
-    bool dark_ = true; ///< no plain surface sends light
 };
 
 } // namespace stf

@@ -27,10 +27,10 @@ struct PreparedInstance {
     std::uint32_t index = 0;                       ///< in the scene
     std::shared_ptr<const PlainMaterial> material; ///< of a plain surface; null: its displayColor
     std::int32_t primId = -1, instanceId = -1;
-    Box3f bounds;            ///< world
-    bool overlapped = false; ///< another instance's bounds overlap: its surfaces may lie inside this shell
-    std::vector<Rgb> core;   ///< radiance leaving the core, per sample of the shell's grid; empty for a black one
-    std::vector<IndirectLight> indirect; ///< on a shell, per point of its surface, relative; empty: none
+    Box3f bounds;             ///< world
+    bool overlapped = false;  ///< another instance's bounds overlap: its surfaces may lie inside this shell
+    std::vector<Rgb> core;    ///< radiance leaving the core, per sample of the shell's grid; empty for a black one
+    IndirectLight indirect;   ///< on a shell; empty: none
     std::vector<Rgb> exitant; ///< radiance leaving a shell, mean by the cosine, per point; empty: no shell sees it
 
     /// A normal of object space in the world, unit: what a map does to normals is the transpose of its inverse.

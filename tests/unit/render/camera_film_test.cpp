@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stfLib/base/error.h"
+#include "stfLib/base/sampler.h"
 #include "stfLib/render/camera.h"
 #include "stfLib/render/film.h"
 
@@ -48,6 +49,39 @@ TEST(Camera, SingularMatrixIsRefused) {
     const Matrix4 zero{};
     const Matrix4 identity{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
     EXPECT_THROW(Camera(zero, identity), Error);
+}
+
+// Samples that are stratified among each other err less than independent ones: what the film tells of a pixel agrees
+// with the scatter of many pixels. A quarter disc, whose variance for independent numbers is known to be three times as
+// much.
+TEST(Film, ErrorOfStratifiedSamples) {
+    constexpr int kSide = 64, kSamples = 64;
+    Film film;
+    film.resize(kSide, kSide);
+    for (int y = 0; y < kSide; ++y) {
+        for (int x = 0; x < kSide; ++x) {
+            for (std::uint32_t k = 0; k < kSamples; ++k) {
+                PixelSampler sampler(1, std::uint64_t(y * kSide + x), k);
+                const Vec2f u = sampler.next2d(), v = sampler.next2d();
+                PixelSample s;
+                s.color = Rgb((u.x * u.x + u.y * u.y < 1 ? 1.0f : 0.0f) + 0.5f * v.x + 0.2f * u.x * v.y);
+                film.add(x, y, s);
+            }
+        }
+    }
+    const std::vector<float> color = film.read(Aov::Color), variance = film.read(Aov::Variance);
+    double mean = 0, squares = 0, told = 0;
+    constexpr int kPixels = kSide * kSide;
+    for (int i = 0; i < kPixels; ++i) {
+        const double c = double(color[std::size_t(4 * i)]);
+        mean += c / kPixels;
+        squares += c * c / kPixels;
+        told += double(variance[std::size_t(3 * i)]) / kPixels;
+    }
+    const double real = squares - mean * mean, independent = 0.2 / kSamples;
+    EXPECT_LT(real, 0.5 * independent);
+    EXPECT_GT(told, 0.9 * real) << "never told too small by much";
+    EXPECT_LT(told, 0.75 * independent);
 }
 
 TEST(Film, MeanVarianceAndCounts) {

@@ -5,6 +5,7 @@
 #include "stfLib/transport/precompute.h"
 #include "stfLib/volume/make_samples.h"
 #include "stfLib/volume/volume_io.h"
+#include "tests/unit/support/square_mesh.h"
 
 #include <filesystem>
 #include <functional>
@@ -27,6 +28,7 @@ struct Slab {
     Lit lit = Lit::Distant; ///< irradiance 1 from afar, a dome of radiance 1, or nothing
     double lightCosine = 1;
     int layersPerMm = 10;
+    double ceilingMm = 0; ///< how high above it hangs another such slab that faces it; 0: there is none
     bool relief = false;
     std::function<void(BaseVolume&)> shape; ///< changes the volume; empty: nothing
     double viewMm = 0.4;                    ///< width of what the camera sees
@@ -167,14 +169,7 @@ private:
     std::unique_ptr<Renderer> prepare() {
         Scene scene;
         scene.setMetersPerUnit(0.001);
-        ControlMesh quad;
-        quad.scheme = ControlMesh::Scheme::None;
-        quad.points = {{-40, -40, 0}, {40, -40, 0}, {40, 40, 0}, {-40, 40, 0}};
-        quad.faceVertexCounts = {4};
-        quad.faceVertexIndices = {0, 1, 2, 3};
-        quad.uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
-        quad.uvIndices = {0, 1, 2, 3};
-        scene.setMesh("/slab", quad, 0);
+        scene.setMesh("/slab", squareMesh({0, 0, 0}, {40, 0, 0}, {0, 40, 0}), 0);
         StfBinding binding;
         binding.baseVolume = volumePath();
         binding.quality = quality;
@@ -184,6 +179,11 @@ private:
         binding.coreModel = coreAlbedo > 0 ? "dipole" : "none";
         scene.setStf("/slab", binding);
         scene.setInstances("/slab", {MeshInstance()});
+        if (ceilingMm > 0) {
+            scene.setMesh("/ceiling", squareMesh({0, 0, float(ceilingMm)}, {40, 0, 0}, {0, -40, 0}), 0);
+            scene.setStf("/ceiling", binding);
+            scene.setInstances("/ceiling", {MeshInstance()});
+        }
         if (lit != Lit::Dark) {
             Light light;
             light.emission = Rgb(1.0f);
