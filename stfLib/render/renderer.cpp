@@ -93,6 +93,7 @@ struct Renderer::Impl {
     void balanceLight(Progress& progress);
     void sampleBlock(Integrator& integrator, PathTracer* traced, int x0, int y0, std::uint32_t pass,
                      const RayCone& cone, bool motion);
+    bool tileGoesOn(int x0, int y0, std::uint32_t pass) const;
     void restartSampling() {
         adaptive.restart(film.width(), film.height());
         passDone.assign(std::size_t(film.width()) * std::size_t(film.height()), 0);
@@ -125,6 +126,8 @@ struct Renderer::Impl {
     AdaptiveSampling adaptive;
     std::vector<std::uint32_t> passDone; ///< per pixel, passes that it took part in or was spared
     RenderStats stats;
+    double error = 0; ///< of the image after `errorAt` passes
+    int errorAt = 0;
     std::vector<PlanEntry> scenePlan;
     Clock::time_point prepareStart;
 };
@@ -570,6 +573,19 @@ LightSet Renderer::Impl::lightsOf(const Scene& source) {
     return LightSet(lights, messages);
 }
 
+// Whether some pixel of a tile still takes part in a pass: of an image that is nearly done most tiles cost nothing.
+bool Renderer::Impl::tileGoesOn(int x0, int y0, std::uint32_t pass) const {
+    for (int y = y0; y < std::min(y0 + kTile, film.height()); ++y) {
+        for (int x = x0; x < std::min(x0 + kTile, film.width()); ++x) {
+            if (adaptive.active(x, y) &&
+                passDone[std::size_t(y) * std::size_t(film.width()) + std::size_t(x)] <= pass) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
 // A pass over neighbouring pixels, whose camera rays are traced together.
 void Renderer::Impl::sampleBlock(Integrator& integrator, PathTracer* traced, int x0, int y0, std::uint32_t pass,
                                  const RayCone& cone, bool motion) {
@@ -662,6 +678,9 @@ bool Renderer::renderPass(Progress& progress) {
     std::atomic<std::uint64_t> rays{0};
     parallelFor(std::size_t(tilesX) * std::size_t(tilesY), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t tile = begin; tile < end && !progress.cancelled(); ++tile) {
+            if (!s.tileGoesOn(int(tile) % tilesX * kTile, int(tile) / tilesX * kTile, pass)) {
+                continue;
+            }
             Integrator integrator(*s.scene);
             const std::unique_ptr<PathTracer> traced = s.tracer ? s.tracer() : nullptr;
             const int x0 = int(tile) % tilesX * kTile, y0 = int(tile) / tilesX * kTile;
@@ -731,7 +750,13 @@ const Film& Renderer::film() const {
 RenderStats Renderer::stats() const {
     RenderStats stats = impl_->stats;
     stats.samplesDone = impl_->passes;
-    stats.estimatedError = impl_->film.relativeError();
+    // Looks at every pixel: not after each of many passes.
+    Impl& s = *impl_;
+    if (s.passes < s.errorAt || s.passes > s.errorAt + s.errorAt / 16 || converged()) {
+        s.error = s.film.relativeError();
+        s.errorAt = s.passes;
+    }
+    stats.estimatedError = s.error;
     return stats;
 }
 
