@@ -71,6 +71,7 @@ struct Renderer::Impl {
         std::uint64_t meshVersion = 0, stfVersion = 0;
         double metersPerUnit = 0;
         float quality = 0;
+        std::uint64_t tableSeed = 0;
         std::string transport, integrator;
         std::shared_ptr<const PreparedMesh> mesh; // null where nothing can be drawn
         std::vector<PlanEntry> plan;
@@ -134,6 +135,7 @@ void Renderer::Impl::prepareMesh(const std::string& id, const SceneMesh& m, doub
     k.stfVersion = m.stfVersion;
     k.metersPerUnit = metersPerUnit;
     k.quality = settings.quality;
+    k.tableSeed = settings.tableSeed;
     k.transport = settings.transport;
     k.integrator = settings.integrator;
     k.mesh = nullptr;
@@ -442,7 +444,8 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
     const bool coresStay =
         !s.scene || !s.scene->surfacesBounce || (s.settings.maxDepth > 0) == (s.preparedSettings.maxDepth > 0);
     if (s.scene && coresStay && source.version() == s.preparedVersion &&
-        s.settings.quality == s.preparedSettings.quality && s.settings.transport == s.preparedSettings.transport &&
+        s.settings.quality == s.preparedSettings.quality && s.settings.tableSeed == s.preparedSettings.tableSeed &&
+        s.settings.transport == s.preparedSettings.transport &&
         s.settings.integrator == s.preparedSettings.integrator && s.settings.seed == s.preparedSettings.seed &&
         (!s.hasMotion || s.camera.optics().shutter == s.preparedShutter)) {
         if (s.settings.maxDepth != s.preparedSettings.maxDepth) {
@@ -469,7 +472,8 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
         const bool needed = m.visible && m.mesh && !m.instances.empty();
         const bool current = k.meshVersion == m.meshVersion && k.stfVersion == m.stfVersion &&
                              k.metersPerUnit == source.metersPerUnit() && k.quality == s.settings.quality &&
-                             k.transport == s.settings.transport && k.integrator == s.settings.integrator;
+                             k.tableSeed == s.settings.tableSeed && k.transport == s.settings.transport &&
+                             k.integrator == s.settings.integrator;
         if (needed && !current) {
             s.prepareMesh(id, m, source.metersPerUnit(), k, progress);
         } else if (!needed) {
