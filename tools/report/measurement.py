@@ -1,0 +1,111 @@
+"""Which runs a report is made of, in which order, and what there is of them once the time is up.
+
+Half 0 and half 1 of everything have nothing in common: neither seeds of samples nor tables."""
+
+import dataclasses
+import math
+import time
+
+import image_error as errors
+import sources
+from analysis import frame_mask, halves_of
+from recorder import OutOfTime
+
+HALVES = (0, 1)
+REFERENCE_SEED = 1000  # of the first run; apart from those of the STF
+STF_SHARE, SOURCES_SHARE = 0.35, 0.65  # of the time limit, up to the end of each part; the rest is the reference's
+PARTS = ("stf:single", "stf:multiple", "stf:core", "stf:reflection")
+
+
+@dataclasses.dataclass
+class Found:
+    """All runs so far. `stf`: pairs by samples; `reference`: the same, a pair for each number of samples."""
+    cold: list = dataclasses.field(default_factory=list)
+    stf: dict = dataclasses.field(default_factory=dict)
+    reference: dict = dataclasses.field(default_factory=dict)
+    parts: object = None  # a run with the parts of light on shells
+    sources: object = None
+    mitsuba: object = None
+    notes: list = dataclasses.field(default_factory=list)
+
+
+class Measurement:
+    def __init__(self, options, recorder, shells, say):
+        self.options, self.recorder, self.shells, self.say = options, recorder, shells, say
+        self.found = Found()
+
+    def all(self):
+        """Runs everything that fits into the time; Found."""
+        limit = self.options.time_limit
+        self.recorder.deadline = time.monotonic() + limit
+        try:
+            self._first()
+            self._ladder(STF_SHARE * limit)
+            self.found.sources = sources.measure(self, SOURCES_SHARE * limit)
+            self._reference(limit)
+        except KeyboardInterrupt:
+            self.found.notes.append("The measurement was interrupted; what was complete is shown.")
+        except OutOfTime:
+            self.found.notes.append(f"The time limit of {limit:g} s ended a run; what was complete is shown.")
+        return self.found
+
+    def left(self, until):
+        """Seconds up to that many of the time limit."""
+        return until - self.recorder.spent
+
+    def stf(self, name, half, samples, **more):
+        self.say(f"STF, {samples} samples, half {half + 1} ({name})")
+        more.setdefault("scene", self.options.scene)
+        return self.recorder.run(name, samples=samples, seed=half, table_seed=half, **more)
+
+    def _first(self):
+        """The shortest of everything: cold tables, the parts of light, one sample of both halves."""
+        for half in HALVES:
+            self.found.cold.append(self.stf(f"cold_{half}", half, 1, cold=True))
+        self.found.stf[1] = [self.stf(f"stf_1_{half}", half, 1) for half in HALVES]
+        self.found.parts = self.stf("parts", 0, 4, aovs=("color",) + PARTS)
+        self._reference_pair(1)
+
+    def _ladder(self, until):
+        samples = 1
+        while 2 * samples <= self.options.samples:
+            run = self.found.stf[samples][0]
+            render = run.seconds["render"]
+            samples *= 2
+            if 2 * (run.wall + render) > self.left(until):
+                self.found.notes.append(f"No STF images of {samples} samples and more: the time did not suffice.")
+                return
+            self.found.stf[samples] = [self.stf(f"stf_{samples}_{half}", half, samples) for half in HALVES]
+
+    def _reference_pair(self, samples, number=0):
+        pair = []
+        for half in HALVES:
+            self.say(f"reference, {samples} samples, half {half + 1}")
+            name = f"reference_{samples}_{half}" + (f"_{number}" if number else "")
+            # Every run its own seed: with one in common, its first samples would be those of the others.
+            seed = REFERENCE_SEED + 1000 * number + 2 * int(math.log2(samples)) + half
+            pair.append(self.recorder.run(name, self.options.scene, samples, seed,
+                                          settings=[("stf:integrator", "reference")]))
+        self.found.reference.setdefault(samples, []).append(pair)
+
+    def _reference(self, until):
+        """Doubles the samples while the time suffices for both halves, then repeats the last number; until the noise
+        of all together is as low as wanted."""
+        samples, number = 1, 0
+        while self._noise() > self.options.reference_noise:
+            run = self.found.reference[samples][-1][0]
+            longer = 2 * (run.wall + run.seconds["render"])
+            if number == 0 and longer < 0.6 * self.left(until):
+                samples *= 2
+            elif 2.1 * run.wall < self.left(until):
+                number += 1
+            else:
+                self.found.notes.append(
+                    f"The reference's noise is {100 * self._noise():.2g} %, not the {100 * self.options.reference_noise:g} "
+                    "% that were wanted: the time did not suffice.")
+                return
+            self._reference_pair(samples, number)
+
+    def _noise(self):
+        halves, _ = halves_of(self.found.reference)
+        return errors.reference_noise(halves, errors.Blocks(frame_mask(halves[0]))).value
