@@ -11,7 +11,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import catmull_clark  # noqa: E402
 
 EXAMPLES = pathlib.Path(__file__).resolve().parents[2] / "usd_examples"
-NAMES = ["marble_slab", "wax_sphere", "hero", "bending_body", "still_life", "backlit_dish"]
+NAMES = ["marble_slab", "marble_tile", "wax_sphere", "hero", "bending_body", "still_life", "backlit_dish"]
 
 
 @pytest.fixture(params=NAMES)

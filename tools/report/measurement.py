@@ -7,13 +7,15 @@ import math
 import time
 
 import image_error as errors
+import mitsuba_runs
 import sources
 from analysis import frame_mask, halves_of
 from recorder import OutOfTime
 
 HALVES = (0, 1)
 REFERENCE_SEED = 1000  # of the first run; apart from those of the STF
-STF_SHARE, SOURCES_SHARE = 0.35, 0.65  # of the time limit, up to the end of each part; the rest is the reference's
+# Of the time limit, up to the end of each part; the rest is the reference's.
+STF_SHARE, SOURCES_SHARE, MITSUBA_SHARE = 0.3, 0.55, 0.7
 PARTS = ("stf:single", "stf:multiple", "stf:core", "stf:reflection")
 
 
@@ -42,6 +44,7 @@ class Measurement:
             self._first()
             self._ladder(STF_SHARE * limit)
             self.found.sources = sources.measure(self, SOURCES_SHARE * limit)
+            self.found.mitsuba = mitsuba_runs.measure(self, MITSUBA_SHARE * limit)
             self._reference(limit)
         except KeyboardInterrupt:
             self.found.notes.append("The measurement was interrupted; what was complete is shown.")
@@ -108,4 +111,6 @@ class Measurement:
 
     def _noise(self):
         halves, _ = halves_of(self.found.reference)
+        if not halves[0].any():
+            raise ValueError(f"{self.options.scene}: the reference is black, there is no error to measure")
         return errors.reference_noise(halves, errors.Blocks(frame_mask(halves[0]))).value

@@ -14,6 +14,9 @@ import numpy as np
 import OpenEXR
 
 
+POLL = 0.02  # seconds; what a run may seem longer than it was
+
+
 class RunFailed(Exception):
     """A run that gave no image; the text says which and why."""
 
@@ -61,7 +64,7 @@ def wait_with_usage(process, deadline, tick):
                 process.send_signal(signal.SIGINT)
                 raise OutOfTime
             tick()
-            time.sleep(0.02)
+            time.sleep(POLL)
     except BaseException:
         try:
             process.wait(10)
@@ -83,23 +86,32 @@ class Recorder:
         self.spent, self.deadline, self.tick = 0.0, float("inf"), lambda seconds: None
 
     def run(self, name, scene, samples, seed, table_seed=0, settings=(), aovs=("color",), cold=False):
-        """The run of that name, made unless one of the same call is there. `cold`: without any table kept."""
-        image, told, stats = (self.folder / f"{name}.{kind}" for kind in ("exr", "json", "stats"))
-        call = [self.program, scene, image, "--samples", samples, "--seed", seed, "--aov", ",".join(aovs), "--stats",
-                stats, "--quiet", *self.common, "--set", f"stf:tableSeed={table_seed}"]
+        """The image of that name by stfrecord. `cold`: without any table kept."""
+        cache = self.cache / f"tables{table_seed}"
+        words = ["--samples", samples, "--seed", seed, "--aov", ",".join(aovs), "--quiet", *self.common, "--set",
+                 f"stf:tableSeed={table_seed}"]
         for key, value in settings:
-            call += ["--set", f"{key}={value}"]
-        call = [str(word) for word in call]
-        key = self._key(call, scene)
+            words += ["--set", f"{key}={value}"]
+
+        def call(image, stats):
+            return [self.program, scene, image, "--stats", stats, *words]
+        return self.kept(name, call, [scene], {"HDSTF_CACHE_DIR": str(cache)}, cache if cold else None)
+
+    def kept(self, name, call, inputs, environment=None, clear=None):
+        """The run of that name, made unless one of the same call is there. `call(image, stats)`: words of a program that
+        writes an image and statistics in the format of stfrecord; `inputs`: files that it reads; `clear`: a folder to
+        remove first."""
+        image, told, stats = (self.folder / f"{name}.{kind}" for kind in ("exr", "json", "stats"))
+        words = [str(word) for word in call(image, stats)]
+        key = _key(words, inputs)
         found = _read(told)
         if found and found["key"] == key and image.exists():
             return _as_run(found, image)
-        cache = self.cache / f"tables{table_seed}"
-        if cold:
-            shutil.rmtree(cache, ignore_errors=True)
+        if clear:
+            shutil.rmtree(clear, ignore_errors=True)
         start = time.monotonic()
         try:
-            cpu = self._start(call, cache)
+            cpu = self._start(words, {**os.environ, **(environment or {})})
         finally:
             wall = time.monotonic() - start
             self.spent += wall
@@ -113,22 +125,24 @@ class Recorder:
         temporary.replace(told)
         return _as_run(found, image)
 
-    def _key(self, call, scene):
-        text = json.dumps(call) + str(self.program.stat().st_mtime_ns)
-        return hashlib.sha256(text.encode() + pathlib.Path(scene).read_bytes()).hexdigest()
-
-    def _start(self, call, cache):
+    def _start(self, call, environment):
         start = time.monotonic()
-        with open(self.folder / "stfrecord.log", "w+", encoding="utf-8", errors="replace") as log:
-            process = subprocess.Popen(call, stdout=log, stderr=log,
-                                       env={**os.environ, "HDSTF_CACHE_DIR": str(cache)})
-            cpu = wait_with_usage(process, self.deadline,
-                                  lambda: self.tick(self.spent + time.monotonic() - start))
+        with open(self.folder / "log", "w+", encoding="utf-8", errors="replace") as log:
+            process = subprocess.Popen(call, stdin=subprocess.DEVNULL, stdout=log, stderr=log, env=environment)
+            cpu = wait_with_usage(process, self.deadline, lambda: self.tick(self.spent + time.monotonic() - start))
             if process.returncode not in (0, 1):
                 log.seek(0)
                 last = (log.read().strip().splitlines() or [f"exit code {process.returncode}"])[-1]
                 raise RunFailed(f"{' '.join(call)}: {last}")
         return cpu
+
+
+def _key(words, inputs):
+    digest = hashlib.sha256(json.dumps(words).encode())
+    digest.update(str(os.stat(shutil.which(words[0]) or words[0]).st_mtime_ns).encode())
+    for path in inputs:
+        digest.update(pathlib.Path(path).read_bytes())
+    return digest.hexdigest()
 
 
 def _read(path):

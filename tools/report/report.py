@@ -9,13 +9,20 @@ import argparse
 import pathlib
 import sys
 
+USAGE = 64  # as all commands of stf
 REQUIREMENTS = pathlib.Path(__file__).resolve().parent / "requirements.txt"
 FAILED = 2
 
 
+class Parser(argparse.ArgumentParser):
+    def error(self, message):
+        self.print_usage(sys.stderr)
+        self.exit(USAGE, f"stf report: {message}\n")
+
+
 def options(words):
-    parser = argparse.ArgumentParser(prog="stf report", description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Parser(prog="stf report", description=__doc__,
+                    formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("scene", type=pathlib.Path, metavar="SCENE", help="USD file")
     parser.add_argument("--output", type=pathlib.Path, metavar="FOLDER", help="default: SCENE_report, here")
     parser.add_argument("--width", type=int, default=128, help="pixels across (%(default)s)")
@@ -44,6 +51,8 @@ def common_words(given):
         words += ["--camera", given.camera]
     if given.threads:
         words += ["--threads", given.threads]
+    if given.mitsuba_python:  # the filter that both have
+        words += ["--set", "stf:pixelFilter=box", "--set", "stf:pixelFilterWidth=1"]
     for setting in given.set:
         words += ["--set", setting]
     return words
@@ -66,12 +75,20 @@ def main(words):
     try:
         shells = shell_scene.ShellScene(given.scene)
         runs = recorder.Recorder(given.stfrecord, given.output, common_words(given))
-        with tqdm(total=given.time_limit, bar_format="{percentage:3.0f} %|{bar:30}| {desc}") as bar:
+        terminal = sys.stderr.isatty()
+        with tqdm(total=given.time_limit, bar_format="{percentage:3.0f} %|{bar:30}| {desc}",
+                  disable=not terminal) as bar:
             def tick(seconds):
                 bar.n = min(seconds, given.time_limit)
                 bar.refresh()
+
+            def say(text):
+                if terminal:
+                    bar.set_description_str(text)
+                else:
+                    print(f"[{runs.spent:5.0f} s] {text}", file=sys.stderr, flush=True)
             runs.tick = tick
-            found = measurement.Measurement(given, runs, shells, bar.set_description_str).all()
+            found = measurement.Measurement(given, runs, shells, say).all()
         if not found.reference or 1 not in found.stf:
             print("stf report: stopped before the first images of both renderers were there; a longer --time-limit, or "
                   "the same command again", file=sys.stderr)

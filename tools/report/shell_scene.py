@@ -22,19 +22,20 @@ class ShellScene:
         try:
             self.stage = Usd.Stage.Open(str(self.path))
         except Tf.ErrorException as error:
-            raise ValueError(f"{path} cannot be read: {str(error).strip().splitlines()[-1].strip()}") from None
+            raise ValueError(f"{path} is no USD file that can be read: "
+                             f"{str(error).split(' : ')[-1].strip()}") from None
         # Those of native instances are no prims that a layer could hold opinions about; they stay as they are.
-        self.shells = [p for p in self.stage.Traverse() if p.IsA(UsdGeom.Mesh) and self._primvar(p, "baseVolume")]
+        self.shells = [p for p in self.stage.Traverse() if p.IsA(UsdGeom.Mesh) and self.primvar(p, "baseVolume")]
 
     @staticmethod
-    def _primvar(prim, name):
+    def primvar(prim, name):
         primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance(f"stf:{name}")
         value = primvar.Get() if primvar else None
         return round(value, 6) if isinstance(value, float) else value  # a float of 32 bits, as it was written
 
     def values(self, name):
         """What the shells say, each value once, the schema's default where one says nothing."""
-        found = [self._primvar(p, name) for p in self.shells]
+        found = [self.primvar(p, name) for p in self.shells]
         return list(dict.fromkeys(DEFAULTS[name] if v is None else v for v in found))
 
     def write(self, path, **values):
