@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-analysis = pytest.importorskip("analysis", reason="FLIP is not installed (tools/report/requirements.txt)")
-import image_error as errors  # noqa: E402
+import analysis
+import image_error as errors
+import sources
 
 
 def unbiased(setup, per_sample, deviation, counts):
@@ -48,7 +49,6 @@ def test_frames_until_the_tables_pay():
 
 
 def test_a_table_at_its_limit():
-    sources = pytest.importorskip("sources")
     assert sources.limit_quality(0.08, 10, 40) == pytest.approx(0.04)
     assert sources.limit_quality(0.08, 10, 1e9) == pytest.approx(0.01)  # an eighth at most
     assert np.isfinite(sources.limit_quality(0.08, -0.1, 60))  # tables that were quicker cold than kept

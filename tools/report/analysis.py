@@ -5,7 +5,6 @@ import dataclasses
 import numpy as np
 
 import image_error as errors
-from perception import flip
 from recorder import layer
 
 FRAMES = 3  # the tables are to be paid by then
@@ -71,8 +70,9 @@ def unbiased_rows(reference, masks, scale):
     return rows
 
 
-def add_flip(rows, pairs_of, halves, blocks):
-    """FLIP of each row's runs, each against the half of the reference that it has nothing to do with."""
+def add_flip(rows, pairs_of, halves, blocks, flip):
+    """FLIP of each row's runs, each against the half of the reference that it has nothing to do with. `flip(reference,
+    image)` gives the map."""
     for row in rows:
         maps = [flip(halves[1 - half], pair[half].color()) for pair in pairs_of(row["samples"]) for half in (0, 1)]
         row["flip"] = blocks.estimate(lambda m: m, np.mean(maps, axis=0))

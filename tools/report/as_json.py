@@ -1,6 +1,7 @@
 """Numbers of a report as JSON."""
 
 import dataclasses
+import pathlib
 
 
 def plain(value):
@@ -11,6 +12,8 @@ def plain(value):
         return {str(k): plain(v) for k, v in value.items()}
     if isinstance(value, (list, tuple)):
         return [plain(v) for v in value]
+    if isinstance(value, pathlib.PurePath):
+        return value.name
     if hasattr(value, "item"):  # of numpy
         return value.item()
     return value

@@ -42,9 +42,9 @@ class Document:
         found = self.found
         stf, extra = analysis.stf_rows(found, self.halves, self.masks)
         reference = analysis.unbiased_rows(found.reference, self.masks, self.reference)
-        analysis.add_flip(stf, lambda n: [found.stf[n]], self.halves, self.masks["frame"])
-        analysis.add_flip(reference, lambda n: found.reference[n], self.halves, self.masks["frame"])
-        others = {"reference": reference}
+        analysis.add_flip(stf, lambda n: [found.stf[n]], self.halves, self.masks["frame"], flip)
+        analysis.add_flip(reference, lambda n: found.reference[n], self.halves, self.masks["frame"], flip)
+        others = {"the reference": reference}
         if found.mitsuba and found.mitsuba.pairs:
             others["Mitsuba 3"] = analysis.unbiased_rows(found.mitsuba.pairs, self.masks, self.reference)
         told = {
@@ -79,28 +79,51 @@ class Document:
 
     def curves(self, told):
         """SVG by name."""
-        def lines(get, scale=1.0):
-            result = {"STF, tables kept": [(r["warm"]["wall"], *get(r, scale)) for r in told["stf"]["rows"]],
-                      "STF, tables made": [(r["cold"]["wall"], *get(r, scale)) for r in told["stf"]["rows"]],
-                      "reference": [(r["warm"]["wall"], *get(r, scale)) for r in told["reference"]["rows"]]}
-            if "rows" in told.get("mitsuba", {}) and get(told["mitsuba"]["rows"][0], 1):
-                result["Mitsuba 3"] = [(r["warm"]["wall"], *get(r, scale)) for r in told["mitsuba"]["rows"]]
-            return result
+        def lines(what, get):
+            rows = {"STF, tables kept": (told["stf"]["rows"], "warm"), "STF, tables made": (told["stf"]["rows"], "cold"),
+                    "reference": (told["reference"]["rows"], "warm")}
+            if "rows" in told.get("mitsuba", {}):
+                rows["Mitsuba 3"] = (told["mitsuba"]["rows"], "warm")
+            return {name: [(r[state][what], get(r).value, get(r).error) for r in entries if get(r)]
+                    for name, (entries, state) in rows.items()}
 
-        def error(mask, key):
-            def get(row, scale):
+        def error(mask, key, scale=1.0):
+            def get(row):
                 e = row["errors"][mask][key]
-                return scale * e.value, scale * e.error
+                return errors.Estimate(scale * e.value, scale * e.error)
             return get
 
-        svg = {f"RMSE, {mask}": figures.curves(lines(error(mask, "rmse"), 100), "RMSE, % of the mean radiance")
-               for mask in self.masks}
-        svg[f"relMSE, {self.main}"] = figures.curves(lines(error(self.main, "relMSE")), "relMSE")
-        svg["FLIP, frame"] = figures.curves(
-            {name: points for name, points in lines(lambda r, s: (r["flip"].value, r["flip"].error) if "flip" in r
-                                                    else ()).items()}, "mean FLIP against half of the reference")
+        def curve(what, get, label):
+            return figures.curves(lines(what, get), label, f"seconds ({'clock' if what == 'wall' else 'CPU'})")
+
+        relative = "RMSE, % of the mean radiance"
+        svg = {f"RMSE over CPU time, {mask}": curve("cpu", error(mask, "rmse", 100), relative) for mask in self.masks}
+        svg[f"RMSE over clock time, {self.main}"] = curve("wall", error(self.main, "rmse", 100), relative)
+        svg[f"relMSE over CPU time, {self.main}"] = curve("cpu", error(self.main, "relMSE"), "relMSE")
+        svg["FLIP over CPU time, frame"] = curve("cpu", lambda row: row.get("flip"),
+                                                 "mean FLIP against half of the reference")
         svg[f"Bias and deviation of the STF, {self.main}"] = figures.bias_and_deviation(told["stf"]["rows"], self.main)
         return svg
+
+    @staticmethod
+    def summary(told):
+        """What the page says first, a sentence for each renderer that the STF is compared with."""
+        best = told["stf"]["rows"][-1]
+        mask = told["mask"]
+        e = best["errors"][mask]
+        bias = f"a bias of {percent(e['bias'])}" if e["bias"].value > 2 * e["bias"].error else \
+            f"no bias beyond its noise ({percent(e['bias'])})"
+        text = [f"The STF with {samples(best)} has an RMSE of {percent(e['rmse'])} ({mask}): {bias} and a deviation of "
+                f"{percent(e['deviation'])}. It takes {best['warm']['cpu']:.1f} CPU seconds with tables kept, "
+                f"{best['cold']['cpu']:.1f} with tables made."]
+        for name, by in told["breakEven"].items():
+            if by["cpu"]:
+                row = max(by["cpu"], key=lambda r: r["ratio"])
+                text.append(f"To the error of {samples(row)}, {100 * row['error']:.1f} %, {name} takes "
+                            f"{row['ratio']:.1f} ± {row['ratioError']:.1f} times the CPU seconds of the STF with "
+                            f"tables kept, {row['ratioOfFrames']:.1f} times with tables made within "
+                            f"{analysis.FRAMES} frames; this is the best of all budgets.")
+        return text
 
     def stage_bars(self, told):
         rows = {"STF, 1 sample, tables made": told["stf"]["cold"]}
@@ -154,9 +177,13 @@ class Document:
         environment.filters.update(percent=percent, number=number)
         page = environment.get_template("page.html.j2").render(
             told=told, curves=self.curves(told), stages=self.stage_bars(told), pictures=pictures, data=data,
-            masks=list(self.masks), full=100 * DIFFERENCE)
+            masks=list(self.masks), summary=self.summary(told), full=100 * DIFFERENCE)
         _write(self.out / "report.html", page)
         return self.out / "report.html"
+
+
+def samples(row):
+    return f"{row['samples']} sample{'s' if row['samples'] > 1 else ''}"
 
 
 def number(estimate):

@@ -14,7 +14,7 @@ from recorder import OutOfTime
 
 HALVES = (0, 1)
 REFERENCE_SEED = 1000  # of the first run; apart from those of the STF
-# Of the time limit, up to the end of each part; the rest is the reference's.
+# Of the time that the first images leave, up to the end of each part; the rest is the reference's.
 STF_SHARE, SOURCES_SHARE, MITSUBA_SHARE = 0.3, 0.55, 0.7
 PARTS = ("stf:single", "stf:multiple", "stf:core", "stf:reflection")
 
@@ -29,6 +29,7 @@ class Found:
     sources: object = None
     mitsuba: object = None
     notes: list = dataclasses.field(default_factory=list)
+    interrupted: bool = False
 
 
 class Measurement:
@@ -42,11 +43,16 @@ class Measurement:
         self.recorder.deadline = time.monotonic() + limit
         try:
             self._first()
-            self._ladder(STF_SHARE * limit)
-            self.found.sources = sources.measure(self, SOURCES_SHARE * limit)
-            self.found.mitsuba = mitsuba_runs.measure(self, MITSUBA_SHARE * limit)
+            spent = self.recorder.spent
+
+            def until(share):
+                return spent + share * (limit - spent)
+            self._ladder(until(STF_SHARE))
+            sources.measure(self, until(SOURCES_SHARE))
+            mitsuba_runs.measure(self, until(MITSUBA_SHARE))
             self._reference(limit)
         except KeyboardInterrupt:
+            self.found.interrupted = True
             self.found.notes.append("The measurement was interrupted; what was complete is shown.")
         except OutOfTime:
             self.found.notes.append(f"The time limit of {limit:g} s ended a run; what was complete is shown.")

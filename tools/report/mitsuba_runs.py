@@ -21,10 +21,12 @@ class Mitsuba:
 
 
 def measure(measurement, until):
-    """Doubles the samples while the time suffices for both halves."""
-    options, recorder, found = measurement.options, measurement.recorder, Mitsuba()
+    """Doubles the samples while the time suffices for both halves; into `measurement.found`."""
+    options, recorder = measurement.options, measurement.recorder
+    found = measurement.found.mitsuba = Mitsuba()
     if not options.mitsuba_python:
-        return Mitsuba(why="not measured: no --mitsuba-python was given.")
+        found.why = "not measured: no --mitsuba-python was given."
+        return
     try:
         scene, tile = _write_scene(measurement)
         samples, wall, render = 1, 0.0, 0.0
@@ -42,12 +44,11 @@ def measure(measurement, until):
             wall, render = max(r.wall for r in pair), max(r.seconds["render"] for r in pair)
             samples *= 2
             if 2 * (wall + render) > measurement.left(until):
-                return found
+                return
     except flat_shell.NotComparable as why:
         found.why = f"not comparable: {why}."
     except RunFailed as why:
         found.why = f"did not run: {why}"
-    return found
 
 
 def _write_scene(measurement):

@@ -11,7 +11,7 @@ import sys
 
 USAGE = 64  # as all commands of stf
 REQUIREMENTS = pathlib.Path(__file__).resolve().parent / "requirements.txt"
-FAILED = 2
+FAILED, INTERRUPTED = 2, 130  # as stfrecord
 
 
 class Parser(argparse.ArgumentParser):
@@ -34,6 +34,7 @@ def options(words):
     parser.add_argument("--threads", type=int, default=0, help="of the renderers (all cores)")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE",
                         help="render setting of all runs; may be repeated")
+    parser.add_argument("--replay", action="store_true", help="write the page again from what FOLDER holds")
     parser.add_argument("--mitsuba-python", metavar="PYTHON",
                         help="a Python with Mitsuba 3, for scenes that it can show too (docs/report.md)")
     parser.add_argument("--stfrecord", type=pathlib.Path, required=True, help=argparse.SUPPRESS)
@@ -44,58 +45,31 @@ def options(words):
     return given
 
 
-def common_words(given):
-    """What every call of stfrecord has in common."""
-    words = ["--imageWidth", given.width]
-    if given.camera:
-        words += ["--camera", given.camera]
-    if given.threads:
-        words += ["--threads", given.threads]
-    if given.mitsuba_python:  # the filter that both have
-        words += ["--set", "stf:pixelFilter=box", "--set", "stf:pixelFilterWidth=1"]
-    for setting in given.set:
-        words += ["--set", setting]
-    return words
-
-
 def main(words):
     given = options(words)
     try:
-        from tqdm import tqdm
-
         import document
-        import measurement
-        import mitsuba_runs
-        import recorder
-        import shell_scene
+        import found_file
+        from measure import measure
+        from recorder import RunFailed
     except ImportError as missing:
         print(f"stf report: Python package missing: {missing.name}; python -m pip install -r {REQUIREMENTS}",
               file=sys.stderr)
         return FAILED
     try:
-        shells = shell_scene.ShellScene(given.scene)
-        runs = recorder.Recorder(given.stfrecord, given.output, common_words(given))
-        terminal = sys.stderr.isatty()
-        with tqdm(total=given.time_limit, bar_format="{percentage:3.0f} %|{bar:30}| {desc}",
-                  disable=not terminal) as bar:
-            def tick(seconds):
-                bar.n = min(seconds, given.time_limit)
-                bar.refresh()
-
-            def say(text):
-                if terminal:
-                    bar.set_description_str(text)
-                else:
-                    print(f"[{runs.spent:5.0f} s] {text}", file=sys.stderr, flush=True)
-            runs.tick = tick
-            found = measurement.Measurement(given, runs, shells, say).all()
+        kept = given.output / "found.json"
+        if given.replay:
+            found = found_file.load(kept, given.output / "runs")
+        else:
+            found = measure(given)
+            found_file.save(found, kept)
         if not found.reference or 1 not in found.stf:
             print("stf report: stopped before the first images of both renderers were there; a longer --time-limit, or "
                   "the same command again", file=sys.stderr)
             return FAILED
         print(document.Document(given, found).write())
-        return 0
-    except (recorder.RunFailed, ValueError, OSError) as error:
+        return INTERRUPTED if found.interrupted else 0
+    except (RunFailed, ValueError, OSError) as error:
         print(f"stf report: {error}", file=sys.stderr)
         return FAILED
 

@@ -68,10 +68,11 @@ class _Rows:
 
 
 def measure(measurement, until):
-    """All rows that the time allows; Sources."""
+    """All rows that the time allows, into `measurement.found`."""
     shells, found = measurement.shells, measurement.found
     if not shells.shells:
-        return Sources({}, left_out=[("all", "the scene has no shell")] + LEFT_OUT)
+        found.sources = Sources({}, left_out=[("all", "the scene has no shell")] + LEFT_OUT)
+        return
     quality = max(shells.values("quality"))
     made = found.cold[0].seconds["precompute"] - found.stf[1][0].seconds["precompute"]
     finest = limit_quality(quality, made, TABLE_SHARE * measurement.options.time_limit)
@@ -80,13 +81,13 @@ def measure(measurement, until):
     cores = [m for m in shells.values("coreModel") if m != "none"]
     if cores and len(shells.values("coreModel")) == 1:
         limits["coreModel"] = "walk"
-    result = Sources(limits, left_out=list(LEFT_OUT))
+    result = found.sources = Sources(limits, left_out=list(LEFT_OUT))
     rows = _Rows(measurement, limits)
     result.limit = rows.images("limit")
 
     def add(name, change, key, value):
         # The first run of the limit made its table, as that of another form will.
-        need = 2 * result.limit[1].wall + (1.2 * result.limit[0].wall if key == "transport" else 0)
+        need = 2.2 * result.limit[1].wall + (1.2 * result.limit[0].wall if key == "transport" else 0)
         if need > measurement.left(until):
             result.left_out.append((name, "the time did not suffice"))
         else:
@@ -108,4 +109,3 @@ def measure(measurement, until):
     add("regularization", "off to on", "stf:regularize", 1)
     add("bounces off surfaces", f"{LIMIT_BOUNCES} to 4", "stf:maxDepth", 4)
     add("form of anisotropy", "dE1 to classic", "transport", "classic")
-    return result
