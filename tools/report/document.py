@@ -142,10 +142,10 @@ class Document:
         mean = float(self.reference.mean())
         samples = max(self.found.stf)
         shown = {"reference": self.reference, f"STF, {samples} samples": self.found.stf[samples][0].color()}
-        seconds = told["stf"]["rows"][-1]["warm"]["wall"]
-        equal = [r["samples"] for r in told["reference"]["rows"] if r["warm"]["wall"] <= seconds] or \
+        seconds = told["stf"]["rows"][-1]["warm"]["cpu"]
+        equal = [r["samples"] for r in told["reference"]["rows"] if r["warm"]["cpu"] <= seconds] or \
             [told["reference"]["rows"][0]["samples"]]
-        shown[f"reference, {equal[-1]} samples (about the same time)"] = \
+        shown[f"reference, {equal[-1]} samples (no more CPU time)"] = \
             self.found.reference[equal[-1]][0][0].color()
         if self.found.mitsuba and self.found.mitsuba.pairs:
             largest = max(self.found.mitsuba.pairs)
