@@ -177,7 +177,7 @@ class Document:
         environment.filters.update(percent=percent, number=number)
         page = environment.get_template("page.html.j2").render(
             told=told, curves=self.curves(told), stages=self.stage_bars(told), pictures=pictures, data=data,
-            masks=list(self.masks), summary=self.summary(told), full=100 * DIFFERENCE)
+            masks=list(self.masks), summary=self.summary(told), full=100 * DIFFERENCE, zoom=ZOOM)
         _write(self.out / "report.html", page)
         return self.out / "report.html"
 

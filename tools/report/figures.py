@@ -23,7 +23,7 @@ def _svg(figure):
     return text.getvalue()[text.getvalue().index("<svg"):]
 
 
-def _seconds_axis(axis):
+def _plain_numbers(axis):
     for a in (axis.xaxis, axis.yaxis):
         a.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}"))
         a.set_minor_formatter(NullFormatter())
@@ -46,7 +46,7 @@ def curves(lines, ylabel, xlabel="seconds (clock)", floor=None):
         axis.axhline(floor[1], color="#888888", linestyle=":", label=floor[0])
     axis.set_xscale("log")
     axis.set_yscale("log")
-    _seconds_axis(axis)
+    _plain_numbers(axis)
     axis.set_xlabel(xlabel)
     axis.set_ylabel(ylabel)
     axis.legend(fontsize=8)
@@ -66,7 +66,8 @@ def bias_and_deviation(rows, mask):
                           color=color)
     axis.set_xscale("log", base=2)
     axis.set_yscale("log")
-    _seconds_axis(axis)
+    _plain_numbers(axis)
+    axis.xaxis.set_major_locator(LogLocator(base=2))
     axis.set_xlabel("samples per pixel")
     axis.set_ylabel("% of the mean radiance")
     axis.legend(fontsize=8)
