@@ -184,6 +184,45 @@ float PlainShader::besideBounced(const LightSample& light, const Vec3f& normal, 
     return own / (own + mixedHemisphereDensity(dot(normal, light.towards)));
 }
 
+PlainShader::Sight PlainShader::look(Ray ray, PixelSampler& sampler, float density, int lightSamples) {
+    Sight sight;
+    Rgb throughput(1.0f);
+    for (int bounce = 0;; ++bounce) {
+        if (!rays_.intersect(ray, sight.hit)) {
+            return sight;
+        }
+        const PreparedInstance& instance = rays_.instance(sight.hit.instance);
+        if (instance.mesh->shell) {
+            const Vec3f local(instance.worldToObject.vector(Vec3d(ray.direction)));
+            if (dot(local, sight.hit.geometricNormal) < 0) { // its inside has no light of its own
+                sight.weight = throughput;
+            }
+            return sight;
+        }
+        const Vertex v = vertexAt(instance, surfelAt(instance, ray, sight.hit), sight.hit, ray.direction, kWideSpread);
+        const PreviewBsdf bsdf(v.at);
+        throughput *= v.at.opacity < 1 && v.at.presence ? v.at.opacity : 1.0f;
+        const float sampled =
+            scene_.lights.emitterDensity(instance.index, sight.hit.t, dot(v.geometric, ray.direction));
+        const float own = bounce == 0 ? density : 0.0f;
+        const float share = sampled > 0 ? own / (own + float(lightSamples) * sampled) : 1.0f;
+        sight.radiance += throughput * (v.at.emission * share + direct(v, bsdf, 1, false, sampler));
+        if (bounce + 1 >= scene_.maxDepth) {
+            return sight;
+        }
+        const PreviewBsdf::Sample s = bsdf.sample(v.out, v.at.isLambert() ? 0.0f : sampler.next1d(), sampler.next2d());
+        throughput *= s.weight;
+        const float chance = std::min(1.0f, maxComponent(throughput));
+        ray = Ray();
+        ray.origin = v.origin;
+        ray.direction = v.toWorld(s.in);
+        if (!(dot(ray.direction, v.geometric) > 0) || !(sampler.next1d() < chance)) {
+            return sight;
+        }
+        throughput /= chance;
+    }
+}
+
 LightSample PlainShader::bounced(const Vec3f& origin, const Vec3f& normal, int lightSamples, PixelSampler& sampler) {
     LightSample light;
     Vec3f x, y;
@@ -192,22 +231,15 @@ LightSample PlainShader::bounced(const Vec3f& origin, const Vec3f& normal, int l
     Ray ray;
     ray.origin = origin;
     ray.direction = normalize(x * d.x + y * d.y + normal * d.z);
-    RayHit hit;
-    if (!rays_.intersect(ray, hit)) {
-        return light;
-    }
-    const PreparedInstance& instance = rays_.instance(hit.instance);
-    if (instance.mesh->shell) {
-        return light;
-    }
-    const Vertex v = vertexAt(instance, surfelAt(instance, ray, hit), hit, ray.direction, kWideSpread);
     light.towards = ray.direction;
     light.density = mixedHemisphereDensity(d.z);
-    const float shown = v.at.opacity < 1 && v.at.presence ? v.at.opacity : 1.0f;
-    // A mesh that is a light is among those of the shell: its share by the balance heuristic.
-    const float sampled = scene_.lights.emitterDensity(instance.index, hit.t, dot(v.geometric, ray.direction));
-    const Rgb emission = v.at.emission * (light.density / (light.density + float(lightSamples) * sampled));
-    light.irradiance = (emission + direct(v, PreviewBsdf(v.at), 1, false, sampler)) * (shown / light.density);
+    const Sight sight = look(ray, sampler, light.density, lightSamples);
+    Rgb radiance = sight.radiance;
+    if (maxComponent(sight.weight) > 0) {
+        const RayHit& at = sight.hit;
+        radiance += sight.weight * exitantAt(scene_.instances[at.instance], at.triangle, at.u, at.v);
+    }
+    light.irradiance = radiance / light.density;
     return light;
 }
 
