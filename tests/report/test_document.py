@@ -19,7 +19,7 @@ from sources import Source, Sources  # noqa: E402
 
 SIZE = (40, 48, 3)
 NOISE, BIAS = 0.3, -0.04  # of one sample; of the STF where there is a shell
-SECONDS = dict.fromkeys(("load", "precompute", "synthesis", "shell", "core", "firstPixel"), 0.1)
+SECONDS = dict.fromkeys(("load", "precompute", "synthesis", "shell", "core", "indirect", "firstPixel"), 0.1)
 
 
 class Runs:

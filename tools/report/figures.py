@@ -11,7 +11,7 @@ import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter  # noqa: E402
 
-STAGES = ("load", "precompute", "synthesis", "shell", "core", "render")
+STAGES = ("load", "precompute", "synthesis", "shell", "core", "indirect", "render")
 COLORS = {"STF, tables kept": "#1f77b4", "STF, tables made": "#7fb2d9", "reference": "#d62728",
           "Mitsuba 3": "#2ca02c"}
 
@@ -85,7 +85,7 @@ def stages(rows):
         left += values
     axis.invert_yaxis()
     axis.set_xlabel("seconds (clock)")
-    axis.legend(fontsize=8, ncols=7, loc="lower center", bbox_to_anchor=(0.5, 1))
+    axis.legend(fontsize=8, ncols=8, loc="lower center", bbox_to_anchor=(0.5, 1))
     axis.grid(True, axis="x", alpha=0.3)
     return _svg(figure)
 

@@ -81,7 +81,7 @@ def main():
                                    arguments.seed + 7919 * (c or 0)) for t, c in parts))
     image = np.concatenate([i.reshape(*i.shape[:2], -1) for i in images], axis=2)
     mi.Bitmap(np.ascontiguousarray(image, np.float32)).write(str(arguments.image))
-    stages = dict.fromkeys(("precompute", "synthesis", "shell", "core"), 0.0)
+    stages = dict.fromkeys(("precompute", "synthesis", "shell", "core", "indirect"), 0.0)
     total = time.perf_counter() - start
     arguments.stats.write_text(json.dumps({
         "samples": arguments.samples, "messages": [],

@@ -76,7 +76,7 @@ def measure(measurement, until):
     quality = max(shells.values("quality"))
     made = found.cold[0].seconds["precompute"] - found.stf[1][0].seconds["precompute"]
     finest = limit_quality(quality, made, TABLE_SHARE * measurement.options.time_limit)
-    limits = {"quality": min(finest, quality), "transport": "dE1", "stf:regularize": 0,
+    limits = {"quality": min(finest, quality), "transport": "dE1", "stf:regularize": 0, "stf:irradianceCache": 0,
               "stf:maxDepth": LIMIT_BOUNCES}
     cores = [m for m in shells.values("coreModel") if m != "none"]
     if cores and len(shells.values("coreModel")) == 1:
@@ -106,6 +106,7 @@ def measure(measurement, until):
         add("core model", "walk to dipole", "coreModel", "dipole")
     else:
         result.left_out.append(("core model", "no core, or some shells have one and others none"))
-    add("regularization", "off to on", "stf:regularize", 1)
+    add("irradiance cache", "off to on", "stf:irradianceCache", 1)
     add("bounces off surfaces", f"{LIMIT_BOUNCES} to 4", "stf:maxDepth", 4)
+    add("regularization", "off to on", "stf:regularize", 1)
     add("form of anisotropy", "dE1 to classic", "transport", "classic")
