@@ -52,8 +52,8 @@ def test_a_flat_scene_in_millimetres_of_its_tile():
     assert np.allclose(np.subtract(camera["target"], camera["origin"]), (0, np.sin(angle), -np.cos(angle)), atol=1e-6)
     assert camera["fov"] == pytest.approx(2 * np.degrees(np.arctan(12 / 70)), rel=1e-5)
     sun, sky = told["lights"]
-    assert np.allclose(sun["irradiance"], (2.6, 2.6 * 0.96, 2.6 * 0.9)) and np.allclose(sky["radiance"],
-                                                                                    (0.255, 0.276, 0.3))
+    assert np.allclose(sun["irradiance"], (2.6, 2.6 * 0.96, 2.6 * 0.9))
+    assert np.allclose(sky["radiance"], (0.255, 0.276, 0.3))
     assert sun["direction"][2] < 0 and np.linalg.norm(sun["direction"]) == pytest.approx(1)
 
 

@@ -8,6 +8,7 @@ import image_error as errors
 from recorder import layer
 
 FRAMES = 3  # the tables are to be paid by then
+PARTS = ("stf:single", "stf:multiple", "stf:core", "stf:reflection")  # of light on shells: AOVs
 
 
 def frame_mask(image):
@@ -24,8 +25,7 @@ def halves_of(reference):
 
 def shell_mask(parts):
     """Pixels that show a shell: one of its parts of light is there."""
-    names = ("stf:single", "stf:multiple", "stf:core", "stf:reflection")
-    return sum(np.abs(layer(parts.image, name)) for name in names).max(axis=2) > 0
+    return sum(np.abs(layer(parts.image, name)) for name in PARTS).max(axis=2) > 0
 
 
 def mean_of(runs, what):
@@ -55,7 +55,7 @@ def stf_rows(found, halves, masks):
 
 
 def unbiased_rows(reference, masks, scale):
-    """Deviation of an unbiased renderer for each number of samples, by the difference of the halves; and its seconds."""
+    """Deviation of an unbiased renderer for each number of samples, by the difference of the halves; its seconds."""
     rows = []
     for samples, pairs in sorted(reference.items()):
         squares = np.mean([errors.variance([r.color() for r in pair]) for pair in pairs], axis=0)

@@ -80,7 +80,8 @@ class Document:
     def curves(self, told):
         """SVG by name."""
         def lines(what, get):
-            rows = {"STF, tables kept": (told["stf"]["rows"], "warm"), "STF, tables made": (told["stf"]["rows"], "cold"),
+            stf = told["stf"]["rows"]
+            rows = {"STF, tables kept": (stf, "warm"), "STF, tables made": (stf, "cold"),
                     "reference": (told["reference"]["rows"], "warm")}
             if "rows" in told.get("mitsuba", {}):
                 rows["Mitsuba 3"] = (told["mitsuba"]["rows"], "warm")

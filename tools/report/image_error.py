@@ -1,8 +1,8 @@
 """How far images are from a reference that is noisy itself, and how well that is known. No files, no programs.
 
 Images are arrays [height, width, 3] of linear radiance. A reference is two independent halves R1, R2 of equal mean:
-where I has nothing to do with either, the mean of (I - R1)(I - R2) is the mean square error of I alone, for the noise of
-the halves is uncorrelated with each other and with I. Of two images of independent samples and tables, the mean of
+where I has nothing to do with either, the mean of (I - R1)(I - R2) is the mean square error of I alone, for the noise
+of the halves is uncorrelated with each other and with I. Of two images of independent samples and tables, the mean of
 (I1 - R1)(I2 - R2) is the square of what they have in common, the bias.
 """
 

@@ -9,14 +9,13 @@ import time
 import image_error as errors
 import mitsuba_runs
 import sources
-from analysis import frame_mask, halves_of
+from analysis import PARTS, frame_mask, halves_of
 from recorder import OutOfTime
 
 HALVES = (0, 1)
 REFERENCE_SEED = 1000  # of the first run; apart from those of the STF
 # Of the time that the first images leave, up to the end of each part; the rest is the reference's.
 STF_SHARE, SOURCES_SHARE, MITSUBA_SHARE = 0.3, 0.55, 0.7
-PARTS = ("stf:single", "stf:multiple", "stf:core", "stf:reflection")
 
 
 @dataclasses.dataclass
@@ -109,9 +108,9 @@ class Measurement:
             elif 2.1 * run.wall < self.left(until):
                 number += 1
             else:
-                self.found.notes.append(
-                    f"The reference's noise is {100 * self._noise():.2g} %, not the {100 * self.options.reference_noise:g} "
-                    "% that were wanted: the time did not suffice.")
+                wanted = 100 * self.options.reference_noise
+                self.found.notes.append(f"The reference's noise is {100 * self._noise():.2g} %, not the {wanted:g} % "
+                                        "that were wanted: the time did not suffice.")
                 return
             self._reference_pair(samples, number)
 

@@ -98,9 +98,9 @@ class Recorder:
         return self.kept(name, call, [scene], {"HDSTF_CACHE_DIR": str(cache)}, cache if cold else None)
 
     def kept(self, name, call, inputs, environment=None, clear=None):
-        """The run of that name, made unless one of the same call is there. `call(image, stats)`: words of a program that
-        writes an image and statistics in the format of stfrecord; `inputs`: files that it reads; `clear`: a folder to
-        remove first."""
+        """The run of that name, made unless one of the same call is there. `call(image, stats)`: words of a program
+        that writes an image and statistics in the format of stfrecord; `inputs`: files that it reads; `clear`: a
+        folder to remove first."""
         image, told, stats = (self.folder / f"{name}.{kind}" for kind in ("exr", "json", "stats"))
         words = [str(word) for word in call(image, stats)]
         key = _key(words, inputs)

@@ -69,6 +69,9 @@ def main(words):
             return FAILED
         print(document.Document(given, found).write())
         return INTERRUPTED if found.interrupted else 0
+    except KeyboardInterrupt:
+        print("stf report: interrupted; the same command goes on", file=sys.stderr)
+        return INTERRUPTED
     except (RunFailed, ValueError, OSError) as error:
         print(f"stf report: {error}", file=sys.stderr)
         return FAILED

@@ -13,8 +13,8 @@ SAMPLES = 16  # of an image
 
 # What has no run without it, and why: said on the page instead of a number.
 LEFT_OUT = [
-    ("direction resolution", "directions, filter and rank of a table follow from its quality; they are in the row of the "
-                             "tables' resolution, not apart"),
+    ("direction resolution", "directions, filter and rank of a table follow from its quality; they are in the row of "
+                             "the tables' resolution, not apart"),
     ("voxel resolution", "the voxels of the base volume are the object itself, for the reference too"),
     ("synthesis", "the reference shows the same layout of the sample; another seed is another object, not an error"),
     ("step of the march", "no setting"),
