@@ -33,7 +33,7 @@ class Document:
         self.reference = 0.5 * (self.halves[0] + self.halves[1])
         self.masks = {"frame": errors.Blocks(analysis.frame_mask(self.reference))}
         shell = analysis.shell_mask(found.parts) if found.parts else np.zeros(1)
-        if shell.any():
+        if shell.any() and not shell.all():
             self.masks["shells"] = errors.Blocks(shell)
         self.main = "shells" if "shells" in self.masks else "frame"
 
@@ -119,11 +119,11 @@ class Document:
                 f"{best['cold']['cpu']:.1f} with tables made."]
         for name, by in told["breakEven"].items():
             if by["cpu"]:
-                row = max(by["cpu"], key=lambda r: r["ratio"])
-                text.append(f"To the error of {samples(row)}, {100 * row['error']:.1f} %, {name} takes "
-                            f"{row['ratio']:.1f} ± {row['ratioError']:.1f} times the CPU seconds of the STF with "
-                            f"tables kept, {row['ratioOfFrames']:.1f} times with tables made within "
-                            f"{analysis.FRAMES} frames; this is the best of all budgets.")
+                kept, made = (max(by["cpu"], key=lambda r: r[k]) for k in ("ratio", "ratioOfFrames"))
+                text.append(f"To the same error {name} takes at most {kept['ratio']:.3g} ± {kept['ratioError']:.1g} "
+                            f"times the CPU seconds of the STF with tables kept ({samples(kept)}, "
+                            f"{100 * kept['error']:.1f} %), and {made['ratioOfFrames']:.3g} times with tables made within {analysis.FRAMES} frames "
+                            f"({samples(made)}, {100 * made['error']:.1f} %).")
         return text
 
     def stage_bars(self, told):
