@@ -23,12 +23,15 @@ def unbiased(setup, per_sample, deviation, counts):
 def test_seconds_follow_the_law_of_noise(what, factor):
     time = analysis.unbiased_time(unbiased(3, 0.5, 0.8, [1, 4, 16]), "frame", what)
     for error, samples, beyond in ((0.8, 1, False), (0.2, 16, False), (0.1, 64, True)):
-        seconds, uncertain, past = time.seconds(error)
-        assert seconds == pytest.approx(factor * (3 + 0.5 * samples), rel=1e-6)
-        assert uncertain == pytest.approx(factor * 0.5 * samples * 0.02, rel=1e-6)
+        told, past = time.seconds(errors.Estimate(error, 0.0))
+        assert told.value == pytest.approx(factor * (3 + 0.5 * samples), rel=1e-6)
+        assert told.error == pytest.approx(factor * 0.5 * samples * 0.02, rel=1e-6)
         assert past == beyond
+        # An error that is known to 3 % asks for samples that are known to 6 %.
+        unsure, _ = time.seconds(errors.Estimate(error, 0.03 * error))
+        assert unsure.error == pytest.approx(factor * 0.5 * samples * (0.02**2 + 0.06**2)**0.5, rel=1e-6)
     # Less than one sample cannot be taken.
-    assert time.seconds(5.0)[0] == pytest.approx(factor * 3.5)
+    assert time.seconds(errors.Estimate(5.0, 0.0))[0].value == pytest.approx(factor * 3.5)
 
 
 def row(samples, error, wall):

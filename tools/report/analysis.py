@@ -93,11 +93,11 @@ class UnbiasedTime:
         return self.variance / error**2
 
     def seconds(self, error):
-        """Seconds, their standard error, and whether the samples were run or follow from 1/N."""
-        samples = max(1.0, self.samples(error))
-        beyond = samples > self.largest
-        return (self.setup + self.per_sample * samples,
-                self.per_sample * samples * self.variance_error / max(self.variance, 1e-30), beyond)
+        """Seconds to an Estimate of the error, as an Estimate, and whether they take more samples than were run."""
+        samples = max(1.0, self.samples(error.value))
+        relative = np.hypot(self.variance_error / max(self.variance, 1e-30), 2 * error.error / error.value)
+        told = errors.Estimate(self.setup + self.per_sample * samples, self.per_sample * samples * relative)
+        return told, samples > self.largest
 
 
 def unbiased_time(rows, mask, what):
@@ -120,15 +120,16 @@ def break_even(rows, extra, other, mask, what):
     never, for the other is as quick in each frame)."""
     result = []
     for row in rows:
-        error = row["errors"][mask]["rmse"].value
-        if not error > 0:
+        rmse = row["errors"][mask]["rmse"]
+        if not rmse.value > 0:
             continue
-        theirs, theirs_error, beyond = other.seconds(error)
-        warm, saved = row["warm"][what], theirs - row["warm"][what]
+        told, beyond = other.seconds(rmse)
+        theirs, warm = told.value, row["warm"][what]
+        saved = theirs - warm
         result.append({
-            "samples": row["samples"], "error": error, "seconds": warm, "other": theirs, "otherError": theirs_error,
-            "otherSamples": max(1.0, other.samples(error)), "beyond": beyond, "ratio": theirs / warm,
-            "ratioError": theirs_error / warm,
+            "samples": row["samples"], "error": rmse.value, "seconds": warm, "other": theirs,
+            "otherError": told.error, "otherSamples": max(1.0, other.samples(rmse.value)), "beyond": beyond,
+            "ratio": theirs / warm, "ratioError": told.error / warm,
             "ratioOfFrames": FRAMES * theirs / (extra[what] + FRAMES * warm),
             "frames": max(1, int(np.ceil(extra[what] / saved))) if saved > 0 else None})
     return result

@@ -48,7 +48,7 @@ class Document:
         if found.mitsuba and found.mitsuba.pairs:
             others["Mitsuba 3"] = analysis.unbiased_rows(found.mitsuba.pairs, self.masks, self.reference)
         told = {
-            "scene": str(self.options.scene.name), "width": self.reference.shape[1],
+            "scene": found.scene or self.options.scene.name, "width": self.reference.shape[1],
             "height": self.reference.shape[0], "cores": os.cpu_count(), "notes": found.notes,
             "messages": sorted({m for r in found.stf[1] for m in r.messages}),
             "reference": {"samples": 2 * self.half_samples,
@@ -122,7 +122,8 @@ class Document:
                 kept, made = (max(by["cpu"], key=lambda r: r[k]) for k in ("ratio", "ratioOfFrames"))
                 text.append(f"To the same error {name} takes at most {kept['ratio']:.3g} ± {kept['ratioError']:.1g} "
                             f"times the CPU seconds of the STF with tables kept ({samples(kept)}, "
-                            f"{100 * kept['error']:.1f} %), and {made['ratioOfFrames']:.3g} times with tables made within {analysis.FRAMES} frames "
+                            f"{100 * kept['error']:.1f} %), and {made['ratioOfFrames']:.3g} times with tables made "
+                            f"within {analysis.FRAMES} frames "
                             f"({samples(made)}, {100 * made['error']:.1f} %).")
         return text
 

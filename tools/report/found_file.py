@@ -23,7 +23,7 @@ def load(path, folder):
 
     try:
         told = json.loads(path.read_text())
-        found = Found(cold=runs(told["cold"]), parts=run(told["parts"]), notes=told["notes"],
+        found = Found(told.get("scene", ""), cold=runs(told["cold"]), parts=run(told["parts"]), notes=told["notes"],
                       stf={int(n): runs(pair) for n, pair in told["stf"].items()},
                       reference={int(n): [runs(p) for p in pairs] for n, pairs in told["reference"].items()})
         if told["sources"]:

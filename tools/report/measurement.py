@@ -21,6 +21,7 @@ STF_SHARE, SOURCES_SHARE, MITSUBA_SHARE = 0.3, 0.55, 0.7
 @dataclasses.dataclass
 class Found:
     """All runs so far. `stf`: pairs by samples; `reference`: the same, a pair for each number of samples."""
+    scene: str = ""  # name of the file
     cold: list = dataclasses.field(default_factory=list)
     stf: dict = dataclasses.field(default_factory=dict)
     reference: dict = dataclasses.field(default_factory=dict)
@@ -34,7 +35,7 @@ class Found:
 class Measurement:
     def __init__(self, options, recorder, shells, say):
         self.options, self.recorder, self.shells, self.say = options, recorder, shells, say
-        self.found = Found()
+        self.found = Found(options.scene.name)
 
     def all(self):
         """Runs everything that fits into the time; Found."""
