@@ -297,6 +297,9 @@ void CoreLighting::Impl::askLights(std::size_t i, SceneRays& rays) {
     const int chosen = lights.choose(place.worldPoint, place.worldNormal, chooser.next1d(), kMaxLights, picks);
     for (int p = 0; p < chosen; ++p) {
         const std::size_t l = picks[p].light;
+        if (scene.keepsDomes && lights.isSmoothDome(l)) {
+            continue;
+        }
         const int n = lights.isDome(l) ? domeSamples : nearSamples;
         for (int k = 0; k < n; ++k) {
             PixelSampler sampler(seed + 17 * l, i, std::uint32_t(k));

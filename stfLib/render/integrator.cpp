@@ -32,6 +32,7 @@ int Integrator::lightsOnShell(const PreparedInstance& instance, const Surfel& su
     const float offset = 1e-3f * shell.grid->voxelSize();
 
     int count = 0;
+    const bool kept = indirect && scene_.irradianceCache && !instance.indirect.empty();
     const bool traced = indirect && scene_.shellsSeeOthers && !scene_.irradianceCache;
     const auto visible = [&](const Vec3f& point, const LightSample& light) {
         const Vec3f lifted = instance.worldPoint(point + objectNormal * offset);
@@ -41,6 +42,9 @@ int Integrator::lightsOnShell(const PreparedInstance& instance, const Surfel& su
     const int chosen = rays_.chooseLights(surfel.point, surfel.normal, sampler, picks);
     for (int i = 0; i < chosen; ++i) {
         const std::size_t l = picks[i].light;
+        if (kept && scene_.keepsDomes && scene_.lights.isSmoothDome(l)) {
+            continue;
+        }
         const int directions = scene_.lights.isDome(l) ? kDomeDirections : kNearDirections;
         const PixelSampler::Points u = sampler.next2dPoints(directions), disc = sampler.next2dPoints(directions);
         for (int k = 0; k < directions; ++k) {
@@ -62,7 +66,7 @@ int Integrator::lightsOnShell(const PreparedInstance& instance, const Surfel& su
             }
         }
     }
-    if (indirect && scene_.irradianceCache && !instance.indirect.empty()) {
+    if (kept) {
         const Vec3i& corners = instance.mesh->surface->triangles[surfel.triangle];
         const IndirectLight light = betweenCorners(instance.indirect, corners, surfel.u, surfel.v);
         if (maxComponent(light.mean) > 0) {

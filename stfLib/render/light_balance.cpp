@@ -17,8 +17,8 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kSamples = 24'000;           ///< of all shells together, as far as
 constexpr std::size_t kLeast = 300, kMost = 6'000; ///< of one
-constexpr std::size_t kRays = 2'000'000;           ///< of all samples
-constexpr int kLeastRays = 16, kMostRays = 64;     ///< of one
+constexpr std::size_t kRays = 1'000'000;           ///< of all samples
+constexpr int kLeastRays = 16, kMostRays = 128;    ///< of one
 constexpr int kViews = 8;                          ///< directions in which what leaves a sample is looked at
 constexpr int kMostRounds = 10;
 constexpr double kSettled = 0.005;   ///< change of all light that leaves shells
@@ -90,6 +90,7 @@ LightBalance::Report LightBalance::solve(PreparedScene& scene, bool bounces, std
         }
     }
     scene.shellsSeeOthers = false;
+    scene.keepsDomes = bounces && scene.irradianceCache;
     const bool emission = std::any_of(shells.begin(), shells.end(),
                                       [](const PreparedInstance* i) { return i->mesh->shell->medium->emits(); });
     const bool lit = scene.lights.count() > 0 || emission;

@@ -64,6 +64,10 @@ private:
     float emissionShare(const LightPath& path, const PreparedInstance& instance, const RayHit& hit) const;
     Vertex vertexAt(const PreparedInstance& instance, const Surfel& surfel, const RayHit& hit, const Vec3f& direction,
                     float spread) const;
+    /// Whether a path goes straight on at a surface that is not opaque: its throughput is that behind then. Else what
+    /// the surface sends counts by `weight`.
+    static bool goesThrough(const Vertex& vertex, const PreviewBsdf& bsdf, Rgb& throughput, float& weight,
+                            PixelSampler& sampler);
     Rgb direct(const Vertex& vertex, const PreviewBsdf& bsdf, int domeDirections, bool shared, PixelSampler& sampler);
 
     const PreparedScene& scene_;

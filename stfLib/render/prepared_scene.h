@@ -58,6 +58,7 @@ struct PreparedScene {
     bool clearShells = false;                ///< some shell does not bend rays: light goes straight through it
     bool surfacesBounce = false;             ///< some plain surface sends light on
     bool shellsSeeOthers = false;            ///< some surface sends light to shells
+    bool keepsDomes = false;                 ///< in `indirect` of instances there is the light of smooth domes, too
     bool irradianceCache = true;             ///< shells read that light where it is kept; else paths look for it
     int maxDepth = 0;                        ///< bounces off plain surfaces along a path
     bool regularize = true;                  ///< light_path.h

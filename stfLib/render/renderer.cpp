@@ -442,10 +442,11 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
     setThreadCount(s.settings.threads);
     s.prepareStart = Clock::now();
     // Light between surfaces, shells and cores depends on the number of bounces.
-    if (s.scene && s.settings.maxDepth == s.preparedSettings.maxDepth && source.version() == s.preparedVersion &&
-        s.settings.quality == s.preparedSettings.quality && s.settings.tableSeed == s.preparedSettings.tableSeed &&
-        s.settings.transport == s.preparedSettings.transport &&
+    if (s.scene && s.settings.maxDepth == s.preparedSettings.maxDepth &&
+        s.settings.irradianceCache == s.preparedSettings.irradianceCache && source.version() == s.preparedVersion &&
+        s.settings.quality == s.preparedSettings.quality && s.settings.transport == s.preparedSettings.transport &&
         s.settings.integrator == s.preparedSettings.integrator && s.settings.seed == s.preparedSettings.seed &&
+        s.settings.tableSeed == s.preparedSettings.tableSeed &&
         (!s.hasMotion || s.camera.optics().shutter == s.preparedShutter)) {
         s.planCamera(source);
         return;
@@ -529,6 +530,7 @@ void Renderer::Impl::balanceLight(Progress& progress) {
         return;
     }
     scene->maxDepth = settings.maxDepth;
+    scene->irradianceCache = settings.irradianceCache;
     const LightBalance::Report r = balance.solve(*scene, settings.maxDepth > 0, settings.seed, progress);
     stats.coreSeconds += r.coreSeconds;
     stats.indirectSeconds += r.indirectSeconds;
@@ -648,7 +650,6 @@ bool Renderer::renderPass(Progress& progress) {
     s.scene->clearColor = s.clearColor * float(std::exp2(-s.camera.optics().exposure));
     s.scene->clearAlpha = s.clearAlpha;
     s.scene->indirectClamp = s.settings.indirectClamp;
-    s.scene->irradianceCache = s.settings.irradianceCache;
     s.scene->regularize = s.settings.regularize && !s.traces();
     Box3f start; // of camera rays, twice as wide as the picture
     for (const Vec2d& corner : {Vec2d{-2, -2}, Vec2d{2, -2}, Vec2d{-2, 2}, Vec2d{2, 2}}) {
