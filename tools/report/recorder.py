@@ -127,6 +127,8 @@ class Recorder:
 
     def _start(self, call, environment):
         start = time.monotonic()
+        if start > self.deadline:
+            raise OutOfTime
         with open(self.folder / "log", "w+", encoding="utf-8", errors="replace") as log:
             process = subprocess.Popen(call, stdin=subprocess.DEVNULL, stdout=log, stderr=log, env=environment)
             cpu = wait_with_usage(process, self.deadline, lambda: self.tick(self.spent + time.monotonic() - start))
