@@ -26,7 +26,7 @@ constexpr double kFinestSpacing = 0.45;                 ///< the same where thin
 constexpr std::size_t kProbes = 300;                    ///< of the thickness
 constexpr float kFilterSpacings = 1.8f;                 ///< radius within which samples make the exitance of a point
 constexpr std::uint64_t kIndirectSeed = 0x626f756e6365; ///< apart from those of lights
-constexpr int kIndirectDirections = 8;
+constexpr int kIndirectTurns = 4;
 constexpr int kMaxLights = 32; ///< of a sample of the core; more are chosen from
 /// Rays to a dome and to another light: fewer per sample where samples are many, since the core mixes them anyway.
 constexpr std::size_t kDomeRays = 200'000, kNearRays = 80'000;
@@ -355,12 +355,14 @@ std::vector<Rgb> CoreLighting::radiance(Progress& progress) const {
                 if (!(maxComponent(indirect.mean) > 0)) {
                     continue;
                 }
-                for (int k = 0; k < kIndirectDirections; ++k) {
+                for (int k = 0; k < kIndirectTurns; ++k) {
                     PixelSampler sampler(s.seed + kIndirectSeed, i, std::uint32_t(k));
                     const IndirectSample from = sampleIndirect(indirect, place.worldNormal, sampler);
-                    if (const Vec3f local = s.inTile(place, from.towards); local.z > 0) {
-                        s.shine(place, local, from.irradiance / float(kIndirectDirections), light.diffuse[i],
-                                light.direct[i]);
+                    for (int d = 0; d < IndirectSample::kDirections; ++d) {
+                        if (const Vec3f local = s.inTile(place, from.towards[d]); local.z > 0) {
+                            s.shine(place, local, from.irradiance[d] / float(kIndirectTurns), light.diffuse[i],
+                                    light.direct[i]);
+                        }
                     }
                 }
             }

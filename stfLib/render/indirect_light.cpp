@@ -1,20 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stfLib/render/indirect_light.h"
 
-#include "stfLib/base/hemisphere.h"
-
 #include <algorithm>
 
 namespace stf {
 
 namespace {
 
-constexpr int kCandidates = 4;
 constexpr float kSteepest = 1.5f; ///< slope over mean: from bright to black across the hemisphere
 constexpr float kDarkest = 0.05f; ///< of the mean: no direction is wholly left out
-/// Least cosine: light that grazes a surface comes from a little higher (one per cent of it), since what bends away in
-/// a shell would see its perpendicular irradiance, which has no bound.
-constexpr float kLowest = 0.1f;
 constexpr float kPi = 3.14159265358979f;
 
 } // namespace
@@ -40,29 +34,30 @@ IndirectLight relative(const IndirectLight& absolute) {
 }
 
 IndirectSample sampleIndirect(const IndirectLight& light, const Vec3f& normal, PixelSampler& sampler) {
+    static const float nodes[IndirectSample::kDirections] = {std::sqrt(0.5f + std::sqrt(1.0f / 12)),
+                                                             std::sqrt(0.5f - std::sqrt(1.0f / 12))};
+    const float middle = 0.5f * (nodes[0] + nodes[1]); // E[z] by the rule; it is 2/3
     Vec3f x, y;
     orthonormalBasis(normal, x, y);
-    const PixelSampler::Points u = sampler.next2dPoints(kCandidates);
-    const float pick = sampler.next1d();
+    const Vec2f u = sampler.next2d(), v = sampler.next2d();
+    const float turn[] = {u.x, u.y}, pick[] = {v.x, v.y};
     const float along = dot(light.slope, normal);
-    Vec3f directions[kCandidates];
-    float cosine[kCandidates], upTo[kCandidates], sum = 0;
-    for (int k = 0; k < kCandidates; ++k) {
-        Vec3f d = cosineHemisphere(u[k]);
-        if (d.z < kLowest) {
-            const float r = std::sqrt((1 - kLowest * kLowest) / (1 - d.z * d.z));
-            d = {d.x * r, d.y * r, kLowest};
-        }
-        directions[k] = x * d.x + y * d.y + normal * d.z;
-        cosine[k] = d.z;
-        sum += std::max(kDarkest, 1 + dot(light.slope, directions[k]) - along * (2.0f / 3)); // E[z] is 2/3
-        upTo[k] = sum;
+    float bright[IndirectSample::kDirections], sum = 0;
+    for (int k = 0; k < IndirectSample::kDirections; ++k) {
+        bright[k] = std::max(kDarkest, 1 + along * (nodes[k] - middle));
+        sum += bright[k];
     }
-    int k = 0;
-    while (k + 1 < kCandidates && upTo[k] <= pick * sum) {
-        ++k;
+    IndirectSample out;
+    for (int k = 0; k < IndirectSample::kDirections; ++k) {
+        const float cosine = nodes[k], sine = std::sqrt(1 - cosine * cosine), phi = 2 * kPi * turn[k];
+        Vec3f across = (x * std::cos(phi) + y * std::sin(phi)) * sine;
+        // One of two opposite sides: both together are as bright as the mean.
+        const float tilt = std::clamp(dot(light.slope, across) / bright[k], kDarkest - 1, 1 - kDarkest);
+        across = pick[k] < 0.5f * (1 + tilt) ? across : -across;
+        out.towards[k] = across + normal * cosine;
+        out.irradiance[k] = light.mean * (kPi * bright[k] / (sum * cosine));
     }
-    return {directions[k], light.mean * (kPi / cosine[k])};
+    return out;
 }
 
 } // namespace stf

@@ -35,13 +35,14 @@ private:
 /// The slope over the mean, at most as steep as keeps radiance from falling below zero in most of the hemisphere.
 IndirectLight relative(const IndirectLight& absolute);
 
-/// A direction (unit, world), chosen by how bright it is, and the perpendicular irradiance that stands for all the
-/// light: all of its irradiance, over the direction's cosine. Four candidates are drawn by the cosine and one is kept
-/// by its radiance (resampled importance sampling, Talbot, Cline & Egbert 2005, with the sum of the four replaced by
-/// its mean): the only noise left is that directions go through a shell differently. `light` is relative.
+/// Directions that stand for the hemisphere, and the perpendicular irradiance of each (world). Their angles to the
+/// normal are the nodes of Gauss's rule for two points under a density of cosine / pi, which is exact for cubics in the
+/// squared cosine; around the normal they are chosen by how bright it is there. Together they bring the whole
+/// irradiance, so that hardly any noise is left. `light` is relative.
 struct IndirectSample {
-    Vec3f towards;
-    Rgb irradiance{0.0f};
+    static constexpr int kDirections = 2;
+    Vec3f towards[kDirections];
+    Rgb irradiance[kDirections];
 };
 IndirectSample sampleIndirect(const IndirectLight& light, const Vec3f& normal, PixelSampler& sampler);
 

@@ -71,7 +71,9 @@ int Integrator::lightsOnShell(const PreparedInstance& instance, const Surfel& su
         const IndirectLight light = betweenCorners(instance.indirect, corners, surfel.u, surfel.v);
         if (maxComponent(light.mean) > 0) {
             const IndirectSample from = sampleIndirect(light, surfel.normal, sampler);
-            lights[count++] = {instance.objectDirection(from.towards), from.irradiance, from.irradiance};
+            for (int k = 0; k < IndirectSample::kDirections; ++k) {
+                lights[count++] = {instance.objectDirection(from.towards[k]), from.irradiance[k], from.irradiance[k]};
+            }
         }
     } else if (traced) {
         const Vec3f from = instance.worldPoint(surfel.shadowOrigin + objectNormal * offset);

@@ -49,7 +49,8 @@ public:
 private:
     /// Of other lights on a shell: their visibility is averaged over a disc.
     static constexpr int kNearDirections = 2;
-    static constexpr int kMaxShellLights = kMaxLightsPerPath * kDomeDirections + 1; // one of other surfaces
+    static constexpr int kMaxShellLights = kMaxLightsPerPath * kDomeDirections + IndirectSample::kDirections;
+    static_assert(kMaxShellLights <= TileLights::kMost);
 
     /// Lights of a path that enters a shell, with their visibility; `lights` has room for kMaxShellLights. `indirect`:
     /// with light from plain surfaces. How many.
