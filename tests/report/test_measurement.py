@@ -48,11 +48,11 @@ def measured(monkeypatch):
         shells=["a shell"], write=lambda path, **values: path,
         values=lambda name: {"quality": [0.08], "coreModel": ["auto"]}[name])
 
-    def measure(seconds, limit=300, noise=0.01, interrupt=None):
+    def measure(seconds, limit=300, noise=0.01, interrupt=None, earlier=None):
         options = types.SimpleNamespace(scene=pathlib.Path("a.usda"), samples=128, time_limit=limit,
                                         reference_noise=noise, mitsuba_python=None)
         fake = FakeRecorder(seconds, clock, interrupt)
-        return measurement.Measurement(options, fake, shells, lambda text: None).all(), fake
+        return measurement.Measurement(options, fake, shells, lambda text: None, earlier).all(), fake
     return measure
 
 
@@ -88,6 +88,11 @@ def test_a_first_image_that_takes_too_long(measured):
     found, _ = measured(lambda name, samples: 400)
     assert not found.reference and not found.stf
     assert any("300 s" in note for note in found.notes)
+
+
+def test_a_report_that_goes_on_keeps_its_limit(measured):
+    assert measured(usual)[0].sources.limits["quality"] < 0.06
+    assert measured(usual, earlier={"quality": 0.033})[0].sources.limits["quality"] == 0.033
 
 
 def test_an_interrupt_keeps_what_is_there(measured):

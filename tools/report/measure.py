@@ -4,6 +4,7 @@ import sys
 
 from tqdm import tqdm
 
+import found_file
 from measurement import Measurement
 from recorder import Recorder
 from shell_scene import ShellScene
@@ -23,6 +24,15 @@ def common_words(given):
     return words
 
 
+def earlier_limits(folder):
+    """The limits of the sources of error of a report that was begun in the folder."""
+    try:
+        earlier = found_file.load(folder / "found.json", folder / "runs")
+    except ValueError:
+        return {}
+    return earlier.sources.limits if earlier.sources else {}
+
+
 def measure(given):
     """Everything that the time allows; Found. ValueError, RunFailed."""
     shells = ShellScene(given.scene)
@@ -39,4 +49,4 @@ def measure(given):
             else:
                 print(f"[{recorder.spent:5.0f} s] {text}", file=sys.stderr, flush=True)
         recorder.tick = tick
-        return Measurement(given, recorder, shells, say).all()
+        return Measurement(given, recorder, shells, say, earlier_limits(given.output)).all()

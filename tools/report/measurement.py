@@ -34,8 +34,11 @@ class Found:
 
 
 class Measurement:
-    def __init__(self, options, recorder, shells, say):
+    """`earlier_limits`: of the sources of error, where the report goes on."""
+
+    def __init__(self, options, recorder, shells, say, earlier_limits=None):
         self.options, self.recorder, self.shells, self.say = options, recorder, shells, say
+        self.earlier_limits = earlier_limits or {}
         self.found = Found(options.scene.name)
 
     def all(self):

@@ -75,7 +75,9 @@ def measure(measurement, until):
         return
     quality = max(shells.values("quality"))
     made = found.cold[0].seconds["precompute"] - found.stf[1][0].seconds["precompute"]
-    finest = limit_quality(quality, made, TABLE_SHARE * measurement.options.time_limit)
+    # A report that goes on keeps its limit: another one would make all of its runs again.
+    finest = measurement.earlier_limits.get("quality") or limit_quality(
+        quality, made, TABLE_SHARE * measurement.options.time_limit)
     limits = {"quality": min(finest, quality), "transport": "dE1", "stf:regularize": 0, "stf:irradianceCache": 0,
               "stf:maxDepth": LIMIT_BOUNCES}
     cores = [m for m in shells.values("coreModel") if m != "none"]
