@@ -239,6 +239,7 @@ stf::RenderSettings HdStfRenderDelegate::GetStfSettings() const {
     stf::RenderSettings settings;
     settings.samples = GetRenderSetting<int>(HdStfRenderSettingsTokens->samples, settings.samples);
     settings.seed = static_cast<uint64_t>(GetRenderSetting<int>(HdStfRenderSettingsTokens->seed, 0));
+    settings.tableSeed = static_cast<uint64_t>(GetRenderSetting<int>(HdStfRenderSettingsTokens->tableSeed, 0));
     settings.threads = GetRenderSetting<int>(HdStfRenderSettingsTokens->threads, settings.threads);
     settings.maxDepth = GetRenderSetting<int>(HdStfRenderSettingsTokens->maxDepth, settings.maxDepth);
     settings.indirectClamp = GetRenderSetting<float>(HdStfRenderSettingsTokens->indirectClamp, settings.indirectClamp);

@@ -108,6 +108,7 @@ HdRenderSettingDescriptorList HdStfMakeSettingDescriptors() {
     add("Wanted error of a pixel (0 = off)", keys->errorTarget, VtValue(0.0f), "HDSTF_ERROR_TARGET");
     add("Seed", keys->seed, VtValue(0), "HDSTF_SEED");
     add("Target error of the tables", keys->quality, VtValue(0.02f), "HDSTF_QUALITY");
+    add("Seed of the tables", keys->tableSeed, VtValue(0), "HDSTF_TABLE_SEED");
     add("Form of transport (dE1, classic)", keys->transport, VtValue(std::string("dE1")), "HDSTF_TRANSPORT");
     add("Integrator (stf, reference)", keys->integrator, VtValue(std::string("stf")), "HDSTF_INTEGRATOR");
     add("Bounces off surfaces without a shell", keys->maxDepth, VtValue(4), "HDSTF_MAX_DEPTH");

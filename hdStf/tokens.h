@@ -8,10 +8,10 @@ PXR_NAMESPACE_OPEN_SCOPE
 
 /// Render settings (docs/settings.md).
 #define HDSTF_RENDER_SETTINGS_TOKENS                                                                                   \
-    ((samples, "stf:samples"))((seed, "stf:seed"))((quality, "stf:quality"))((transport, "stf:transport"))(            \
-        (integrator, "stf:integrator"))((errorTarget, "stf:errorTarget"))((threads, "stf:threads"))(                   \
-        (maxDepth, "stf:maxDepth"))((indirectClamp, "stf:indirectClamp"))((regularize, "stf:regularize"))(             \
-        (pixelFilter, "stf:pixelFilter"))((pixelFilterWidth, "stf:pixelFilterWidth"))(                                 \
+    ((samples, "stf:samples"))((seed, "stf:seed"))((tableSeed, "stf:tableSeed"))((quality, "stf:quality"))(            \
+        (transport, "stf:transport"))((integrator, "stf:integrator"))((errorTarget, "stf:errorTarget"))(               \
+        (threads, "stf:threads"))((maxDepth, "stf:maxDepth"))((indirectClamp, "stf:indirectClamp"))(                   \
+        (regularize, "stf:regularize"))((pixelFilter, "stf:pixelFilter"))((pixelFilterWidth, "stf:pixelFilterWidth"))( \
         (depthOfField, "stf:depthOfField"))((motionBlur, "stf:motionBlur"))((irradianceCache, "stf:irradianceCache"))( \
         (denoise, "stf:denoise"))((dataWindowNDC, "dataWindowNDC"))((stageMetersPerUnit, "stageMetersPerUnit"))
 

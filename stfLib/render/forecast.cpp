@@ -124,6 +124,7 @@ private:
     void transport(const std::string& id, const StfBinding& binding, const BaseVolume& volume) {
         TransportOptions options;
         options.quality = binding.quality > 0 ? binding.quality : settings_.quality;
+        options.seed = settings_.tableSeed;
         options.form = parseTransportForm(binding.transport.empty() ? settings_.transport : binding.transport);
         const TileMedium medium(volume, options.form);
         const std::string key = volume.contentHash() + ";" + options.key();

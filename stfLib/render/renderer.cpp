@@ -71,6 +71,7 @@ struct Renderer::Impl {
         std::uint64_t meshVersion = 0, stfVersion = 0;
         double metersPerUnit = 0;
         float quality = 0;
+        std::uint64_t tableSeed = 0;
         std::string transport, integrator;
         std::shared_ptr<const PreparedMesh> mesh; // null where nothing can be drawn
         std::vector<PlanEntry> plan;
@@ -138,6 +139,7 @@ void Renderer::Impl::prepareMesh(const std::string& id, const SceneMesh& m, doub
     k.stfVersion = m.stfVersion;
     k.metersPerUnit = metersPerUnit;
     k.quality = settings.quality;
+    k.tableSeed = settings.tableSeed;
     k.transport = settings.transport;
     k.integrator = settings.integrator;
     k.mesh = nullptr;
@@ -447,6 +449,7 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
         s.settings.irradianceCache == s.preparedSettings.irradianceCache && source.version() == s.preparedVersion &&
         s.settings.quality == s.preparedSettings.quality && s.settings.transport == s.preparedSettings.transport &&
         s.settings.integrator == s.preparedSettings.integrator && s.settings.seed == s.preparedSettings.seed &&
+        s.settings.tableSeed == s.preparedSettings.tableSeed &&
         (!s.hasMotion || s.camera.optics().shutter == s.preparedShutter)) {
         s.planCamera(source);
         return;
@@ -468,7 +471,8 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
         const bool needed = m.visible && m.mesh && !m.instances.empty();
         const bool current = k.meshVersion == m.meshVersion && k.stfVersion == m.stfVersion &&
                              k.metersPerUnit == source.metersPerUnit() && k.quality == s.settings.quality &&
-                             k.transport == s.settings.transport && k.integrator == s.settings.integrator;
+                             k.tableSeed == s.settings.tableSeed && k.transport == s.settings.transport &&
+                             k.integrator == s.settings.integrator;
         if (needed && !current) {
             s.prepareMesh(id, m, source.metersPerUnit(), k, progress);
         } else if (!needed) {

@@ -26,6 +26,7 @@ struct RenderSettings {
     float errorTarget = 0;
     int threads = 0;               ///< 0 = all cores
     float quality = 0.02f;         ///< target relative error of the tables, where a binding does not say
+    std::uint64_t tableSeed = 0;   ///< of the walks that tables are made from
     std::string transport = "dE1"; ///< form of the tables, where a binding does not say: dE1, classic
     int maxDepth = 4;              ///< bounces off surfaces that are no shells; 0: direct light alone
     float indirectClamp = 0;       ///< most that a bounced path brings (radiance, largest channel); 0: no limit
@@ -39,7 +40,7 @@ struct RenderSettings {
     bool motionBlur = true; ///< what moves while the shutter is open is blurred
     bool operator==(const RenderSettings& s) const {
         return samples == s.samples && seed == s.seed && errorTarget == s.errorTarget && threads == s.threads &&
-               quality == s.quality && transport == s.transport && maxDepth == s.maxDepth &&
+               quality == s.quality && tableSeed == s.tableSeed && transport == s.transport && maxDepth == s.maxDepth &&
                indirectClamp == s.indirectClamp && regularize == s.regularize && pixelFilter == s.pixelFilter &&
                pixelFilterWidth == s.pixelFilterWidth && depthOfField == s.depthOfField && integrator == s.integrator &&
                motionBlur == s.motionBlur && irradianceCache == s.irradianceCache;

@@ -243,6 +243,7 @@ void ShellMaterials::addTransport(const StfBinding& binding, const ShellStage& s
     }
     TransportOptions options;
     options.quality = qualityOf(binding, stage);
+    options.seed = stage.settings.tableSeed;
     options.form = formOf(binding, stage.settings, stage.messages);
     const std::string key = contentHash(o.volume) + ";" + options.key();
     const auto met = transports_.find(key);

@@ -19,6 +19,7 @@ VtValue normalized(const char* key, const VtValue& value) {
 TEST(Settings, ValuesTakeTheTypeOfTheDefault) {
     EXPECT_EQ(normalized("stf:samples", VtValue(16L)), VtValue(16));
     EXPECT_EQ(normalized("stf:samples", VtValue(std::string("16"))), VtValue(16));
+    EXPECT_EQ(normalized("stf:tableSeed", VtValue(std::string("3"))), VtValue(3));
     EXPECT_EQ(normalized("stf:quality", VtValue(0.5)), VtValue(0.5f));
     EXPECT_EQ(normalized("stageMetersPerUnit", VtValue(1.0f)), VtValue(1.0));
     EXPECT_EQ(normalized("stf:transport", VtValue(TfToken("classic"))), VtValue(std::string("classic")));
@@ -79,6 +80,15 @@ TEST(Settings, EqualValuesRestartNothing) {
     host.delegate->SetRenderSetting(TfToken("stageMetersPerUnit"), VtValue(1.0));
     EXPECT_TRUE(host.restarts());
     EXPECT_EQ(host.delegate->GetScene().metersPerUnit(), 1.0);
+}
+
+TEST(Settings, TheSeedOfTablesReachesTheRenderer) {
+    TestHost host(testScene());
+    EXPECT_EQ(host.delegate->GetStfSettings().tableSeed, 0u);
+    ASSERT_TRUE(host.renderToEnd());
+    host.delegate->SetRenderSetting(TfToken("stf:tableSeed"), VtValue(7));
+    EXPECT_EQ(host.delegate->GetStfSettings().tableSeed, 7u);
+    EXPECT_TRUE(host.restarts());
 }
 
 TEST(Settings, StatisticsHaveTheTypesHostsRead) {

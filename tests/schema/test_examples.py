@@ -11,7 +11,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import catmull_clark  # noqa: E402
 
 EXAMPLES = pathlib.Path(__file__).resolve().parents[2] / "usd_examples"
-NAMES = ["marble_slab", "wax_sphere", "hero", "bending_body", "still_life", "backlit_dish"]
+NAMES = ["marble_slab", "marble_tile", "wax_sphere", "hero", "bending_body", "still_life", "backlit_dish"]
 
 
 @pytest.fixture(params=NAMES)
@@ -102,7 +102,7 @@ def test_meshes_are_sound(stage):
                 assert len(primvar.ComputeFlattened()) == len(mesh.GetFaceVertexIndicesAttr().Get())
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", [name for name in NAMES if name != "marble_tile"])  # that one is flat
 def test_shell_meshes_are_closed_and_face_outward(name):
     _, _, (counts, indices, points), _ = shell_of(name)
     catmull_clark.subdivide(counts, indices, points)

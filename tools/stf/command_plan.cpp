@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stfLib/base/temporary_folder.h"
 #include "tools/stf/commands.h"
+#include "tools/stf/program_folder.h"
 
 #include <nlohmann/json.hpp>
 
@@ -24,14 +25,6 @@ struct PlanArguments {
     std::vector<std::string> settings;
     bool json = false, run = false;
 };
-
-/// The recorder beside this program, or one on the path.
-std::string recorder() {
-    std::error_code error;
-    const auto self = std::filesystem::read_symlink("/proc/self/exe", error);
-    const auto beside = self.parent_path() / "stfrecord";
-    return !error && std::filesystem::exists(beside, error) ? beside.string() : "stfrecord";
-}
 
 /// Runs a program with this environment; its exit code, or throws Error where it cannot be started.
 int runProgram(const std::vector<std::string>& words) {
@@ -59,8 +52,8 @@ Json readPlan(const std::string& path) {
 // The recorder looks at the scene as it does for a picture; told to plan only, the delegate then says what it would do.
 Json planOf(const PlanArguments& a, bool only) {
     const TemporaryFolder folder;
-    std::vector<std::string> words = {
-        recorder(), a.scene, folder.file("plan.exr"), "--stats", folder.file("stats.json"), "--quiet"};
+    std::vector<std::string> words = {programBeside("stfrecord"), a.scene,  folder.file("plan.exr"), "--stats",
+                                      folder.file("stats.json"),  "--quiet"};
     if (only) {
         words.insert(words.end(), {"--imageWidth", "16"});
         ::setenv("HDSTF_PLAN_ONLY", "1", 1);

@@ -24,6 +24,7 @@ void addSynthesizeCommand(CLI::App& app);
 void addAcquireCommand(CLI::App& app);
 void addPlanCommand(CLI::App& app);
 void addStabilityCommand(CLI::App& app);
+void addReportCommand(CLI::App& app);
 
 /// Each adds one command to the group `stf acquire`.
 void addAcquireMeshCommand(CLI::App& group);

@@ -23,6 +23,7 @@ int main(int argc, char** argv) {
     stf::addAcquireCommand(app);
     stf::addPlanCommand(app);
     stf::addStabilityCommand(app);
+    stf::addReportCommand(app);
     try {
         app.parse(argc, argv);
         return stf::kDone;

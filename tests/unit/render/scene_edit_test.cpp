@@ -128,6 +128,27 @@ protected:
     std::vector<std::string> messages_;
 };
 
+// Errors of tables are told apart from those of pixels by tables of other seeds.
+TEST_F(SceneEdits, AnotherTableSeedGivesAnotherTableAndTheSameSeedTheSameImage) {
+    settings_.quality = 0.3f;
+    StfBinding binding = *scene_.meshes().at("/shell").stf;
+    binding.quality = 0; // as the renderer's settings say
+    scene_.setStf("/shell", binding);
+    Renderer renderer(countingTables());
+    const std::vector<float> first = render(renderer);
+    settings_.tableSeed = 1;
+    const std::vector<float> other = render(renderer);
+    EXPECT_EQ(tables_, 2);
+    EXPECT_EQ(plainPixel(other), plainPixel(first)) << "the samples of the image are the same";
+    EXPECT_NE(shellPixel(other), shellPixel(first));
+    EXPECT_NEAR(shellPixel(other).y, shellPixel(first).y, 3 * 0.3f * shellPixel(first).y);
+    settings_.tableSeed = 0;
+    EXPECT_EQ(render(renderer), first);
+    Renderer fresh(countingTables());
+    settings_.tableSeed = 1;
+    EXPECT_EQ(render(fresh), other);
+}
+
 TEST_F(SceneEdits, LightEditKeepsTablesAndEqualsFreshRenderer) {
     Renderer renderer(countingTables());
     const std::vector<float> before = render(renderer);
