@@ -1,7 +1,7 @@
 # What unity.cmake does, and what Python and GL add to it. Injected into OpenUSD's project() call in its place.
 #
-# The wrappers are 350 small files of boost.python templates full of file-local names that clash. They are not batched:
-# each module has its library's own list of headers (pch.h) precompiled, and nothing in them is worth optimizing.
+# The wrappers are 350 small files of boost.python templates full of file-local names that clash. They are not batched, but
+# share two precompiled headers, and nothing in them is worth optimizing.
 include(${CMAKE_CURRENT_LIST_DIR}/unity.cmake)
 
 function(_hdstf_tune_usdview)
