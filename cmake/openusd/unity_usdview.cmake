@@ -20,15 +20,21 @@ function(_hdstf_tune_usdview)
                 set_source_files_properties(${folder}/${file} DIRECTORY ${folder}
                     PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
             endforeach()
+            if(library MATCHES "^(glf|hgiGL|hgiInterop|hdSt|hdx|usdImagingGL|usdAppUtils)$")
+                # It has to be seen before any other header of OpenGL.
+                get_target_property(before ${library} UNITY_BUILD_CODE_BEFORE_INCLUDE)
+                set_target_properties(${library} PROPERTIES
+                    UNITY_BUILD_CODE_BEFORE_INCLUDE "#include <GL/glew.h>\n${before}")
+            endif()
         endif()
         if(NOT TARGET _${library})
             continue()
         endif()
         set(module _${library})
         target_compile_options(${module} PRIVATE -O0)
-        if(library STREQUAL "gf")
+        if(library MATCHES "^(gf|pxOsd)$")
             # Here str must not be boost::python::str, which the others' headers bring.
-            target_precompile_headers(_gf PRIVATE ${folder}/pch.h)
+            target_precompile_headers(${module} PRIVATE ${folder}/pch.h)
             continue()
         endif()
         # A precompiled header serves only those who define the same macros before it: what differs comes after it, in
