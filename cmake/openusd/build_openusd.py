@@ -104,6 +104,9 @@ USDVIEW = {
         ("pxr/base/tf/pyTracing.cpp", "frame->f_code->co_name", "PyFrame_GetCode(frame)->co_name"),
         ("pxr/base/tf/pyTracing.cpp", "frame->f_code->co_filename", "PyFrame_GetCode(frame)->co_filename"),
         ("pxr/base/tf/pyTracing.cpp", "frame->f_code->co_firstlineno", "PyFrame_GetCode(frame)->co_firstlineno"),
+        # Not in the crate either.
+        ("pxr/usdImaging/usdviewq/CMakeLists.txt",
+         "install(DIRECTORY\n    icons\n    DESTINATION lib/python/pxr/Usdviewq\n)", ""),
     ],
     "options": {
         "CMAKE_CXX_FLAGS_RELEASE": "-O1 -DNDEBUG",

@@ -11,6 +11,8 @@ function(_hdstf_tune_usdview)
     set(wrapping pyContainerConversions.h pyEnum.h pyFunction.h pyPtrHelpers.h pyResultConversions.h pyStaticTokens.h
         pyUtils.h wrapTypeHelpers.h)
     list(TRANSFORM wrapping REPLACE "(.+)" "<pxr/base/tf/\\1>")
+    # As local_names of unity.cmake.
+    set(local_names_hdSt FORMAT_DESC _FormatDesc _GetElementOffset _Uniquify)
     foreach(library IN LISTS PXR_ALL_LIBS)
         if(TARGET ${library})
             # They mend arch/demangle.cpp. Not for the modules: a precompiled header has to come first.
@@ -19,6 +21,11 @@ function(_hdstf_tune_usdview)
             foreach(file IN LISTS alone_${library})
                 set_source_files_properties(${folder}/${file} DIRECTORY ${folder}
                     PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+            endforeach()
+            foreach(name IN LISTS local_names_${library})
+                get_target_property(before ${library} UNITY_BUILD_CODE_BEFORE_INCLUDE)
+                string(APPEND before "#undef ${name}\n#define ${name} HDSTF_CAT(${name}_, HDSTF_UNIT)\n")
+                set_target_properties(${library} PROPERTIES UNITY_BUILD_CODE_BEFORE_INCLUDE "${before}")
             endforeach()
             if(library MATCHES "^(glf|hgiGL|hgiInterop|hdSt|hdx|usdImagingGL|usdAppUtils)$")
                 # It has to be seen before any other header of OpenGL.
