@@ -104,7 +104,15 @@ USDVIEW = {
         ("pxr/base/tf/pyTracing.cpp", "frame->f_code->co_name", "PyFrame_GetCode(frame)->co_name"),
         ("pxr/base/tf/pyTracing.cpp", "frame->f_code->co_filename", "PyFrame_GetCode(frame)->co_filename"),
         ("pxr/base/tf/pyTracing.cpp", "frame->f_code->co_firstlineno", "PyFrame_GetCode(frame)->co_firstlineno"),
-        # Not in the crate either.
+        # Mesa's compiler holds shaders of this version without the word to the core profile, which has no gl_FragColor.
+        *((f"pxr/imaging/hdx/shaders/{file}.glslfx", f"-- glsl {shader}\n{line}#version 450",
+           f"-- glsl {shader}\n{line}#version 450 compatibility")
+          for file, shader, line in (("fullscreen", "Composite.FragmentNoDepth", "\n"),
+                                     ("fullscreen", "Composite.FragmentWithDepth", "\n"),
+                                     ("outline", "Outline.Fragment", ""))),
+        # That texture is not in the crate; without it Storm's own dome light is plain.
+        ("pxr/imaging/hdx/package.cpp", 'TF_VERIFY(!path.empty(), "Could not find texture: %s\\n", texture);', ""),
+        # Nor are usdview's icons.
         ("pxr/usdImaging/usdviewq/CMakeLists.txt",
          "install(DIRECTORY\n    icons\n    DESTINATION lib/python/pxr/Usdviewq\n)", ""),
     ],
