@@ -74,6 +74,16 @@ def difference(image, expected):
     return {"mean": round(float(off.mean()), 3), "off": round(float(np.mean(off.max(axis=2) > 3)), 4)}
 
 
+def smooth(picture, side):
+    """Each pixel gives the share `side` to either neighbour along both axes, as a window may on its way to the screen."""
+    for axis in (0, 1):
+        low, high = (np.take(picture, [end], axis=axis) for end in (0, -1))
+        padded = np.concatenate([low, picture, high], axis=axis)
+        before, after = (np.take(padded, range(start, start + picture.shape[axis]), axis=axis) for start in (0, 2))
+        picture = side * before + (1 - 2 * side) * picture + side * after
+    return picture
+
+
 def fresh(folder):
     """An empty folder."""
     shutil.rmtree(folder, ignore_errors=True)
