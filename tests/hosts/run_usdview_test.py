@@ -5,8 +5,8 @@
 
 The scene is the animated example (usd_examples/bending_body.usda). Its pictures in usdview are compared with those of
 stfrecord by the same camera: the same samples, so that 8 bits, the display's curve and what the window does to pixels are
-between them. usdview on Mesa's software shows means of neighbours (0.21, 0.58, 0.21 along either axis, whatever the
-renderer): that share is found from the normals' edges, once for all pictures, and has to be below a quarter.
+between them. usdview on Mesa's software shows means of neighbours (0.21, 0.58, 0.21 along either axis; usdrecord,
+without a window, does not): that share is found from the edges of the normals, once for all pictures, and is below a quarter.
 """
 
 import argparse
@@ -50,7 +50,7 @@ def check_pictures(output, seen, channels):
         found = hosts.difference(picture(output, seen, name), hosts.smooth(wanted, side))
         print(f"{name} against stfrecord: {found}")
         assert wanted.std() > 5, f"{name}: nothing to see in stfrecord's picture"
-        assert found["mean"] < 0.6 and found["off"] < 0.02, f"{name} is not stfrecord's picture: {found}"
+        assert found["mean"] < 0.6 and found["off"] < 0.03, f"{name} is not stfrecord's picture: {found}"
     again = hosts.difference(picture(output, seen, "aov_color"), picture(output, seen, "color"))
     assert again["mean"] == 0, f"colour after other AOVs is another: {again}"
 
