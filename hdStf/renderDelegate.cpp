@@ -251,6 +251,8 @@ stf::RenderSettings HdStfRenderDelegate::GetStfSettings() const {
     settings.pixelFilterWidth =
         GetRenderSetting<float>(HdStfRenderSettingsTokens->pixelFilterWidth, settings.pixelFilterWidth);
     settings.depthOfField = GetRenderSetting<bool>(HdStfRenderSettingsTokens->depthOfField, settings.depthOfField);
+    settings.irradianceCache =
+        GetRenderSetting<bool>(HdStfRenderSettingsTokens->irradianceCache, settings.irradianceCache);
     settings.motionBlur = GetRenderSetting<bool>(HdStfRenderSettingsTokens->motionBlur, settings.motionBlur);
     return settings;
 }

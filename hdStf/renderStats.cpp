@@ -100,6 +100,7 @@ VtDictionary HdStfMakeRenderStats(HdStfRenderJob::Progress const& progress, HdSt
     set(HdStfStatsTokens->synthesisSeconds, progress.stats.synthesisSeconds);
     set(HdStfStatsTokens->shellSeconds, progress.stats.shellSeconds);
     set(HdStfStatsTokens->coreSeconds, progress.stats.coreSeconds);
+    set(HdStfStatsTokens->indirectSeconds, progress.stats.indirectSeconds);
     set(HdStfStatsTokens->firstPixelSeconds, progress.stats.firstPixelSeconds);
     set(HdStfStatsTokens->renderSeconds, progress.stats.renderSeconds);
     set(HdStfStatsTokens->syntheses, progress.stats.syntheses);

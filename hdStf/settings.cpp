@@ -117,6 +117,8 @@ HdRenderSettingDescriptorList HdStfMakeSettingDescriptors() {
         VtValue(std::string("blackmanHarris")), "HDSTF_PIXEL_FILTER");
     add("Width of the pixel filter (0 = its own)", keys->pixelFilterWidth, VtValue(0.0f), "HDSTF_PIXEL_FILTER_WIDTH");
     add("Depth of field", keys->depthOfField, VtValue(true), "HDSTF_DEPTH_OF_FIELD");
+    add("Keep light between surfaces at samples of shells", keys->irradianceCache, VtValue(true),
+        "HDSTF_IRRADIANCE_CACHE");
     add("Motion blur", keys->motionBlur, VtValue(true), "HDSTF_MOTION_BLUR");
     add("Denoise the finished colour", keys->denoise, VtValue(false), "HDSTF_DENOISE");
     add("Data window (x and y from, to; shares of the frame)", keys->dataWindowNDC, VtValue(GfVec4f(0, 0, 1, 1)),

@@ -12,8 +12,8 @@ PXR_NAMESPACE_OPEN_SCOPE
         (integrator, "stf:integrator"))((errorTarget, "stf:errorTarget"))((threads, "stf:threads"))(                   \
         (maxDepth, "stf:maxDepth"))((indirectClamp, "stf:indirectClamp"))((regularize, "stf:regularize"))(             \
         (pixelFilter, "stf:pixelFilter"))((pixelFilterWidth, "stf:pixelFilterWidth"))(                                 \
-        (depthOfField, "stf:depthOfField"))((motionBlur, "stf:motionBlur"))((denoise, "stf:denoise"))(                 \
-        (dataWindowNDC, "dataWindowNDC"))((stageMetersPerUnit, "stageMetersPerUnit"))
+        (depthOfField, "stf:depthOfField"))((motionBlur, "stf:motionBlur"))((irradianceCache, "stf:irradianceCache"))( \
+        (denoise, "stf:denoise"))((dataWindowNDC, "dataWindowNDC"))((stageMetersPerUnit, "stageMetersPerUnit"))
 
 /// Constant primvars of StfShellAPI, as Hydra delivers them (without `primvars:`).
 #define HDSTF_PRIMVAR_TOKENS                                                                                           \
@@ -27,7 +27,7 @@ PXR_NAMESPACE_OPEN_SCOPE
     (percentDone)(fractionDone)(totalClockTime)(rendererName)(renderProgressAnnotation)(peakMemory)((                  \
         plan, "stf:plan"))((messages, "stf:messages"))((precomputeSeconds, "stf:precomputeSeconds"))(                  \
         (synthesisSeconds, "stf:synthesisSeconds"))((shellSeconds, "stf:shellSeconds"))(                               \
-        (coreSeconds, "stf:coreSeconds"))((loadSeconds, "stf:loadSeconds"))(                                           \
+        (coreSeconds, "stf:coreSeconds"))((indirectSeconds, "stf:indirectSeconds"))((loadSeconds, "stf:loadSeconds"))( \
         (firstPixelSeconds, "stf:firstPixelSeconds"))((renderSeconds, "stf:renderSeconds"))(                           \
         (syntheses, "stf:syntheses"))((grids, "stf:grids"))((poses, "stf:poses"))((tableBytes, "stf:tableBytes"))(     \
         (shellBytes, "stf:shellBytes"))((rays, "stf:rays"))((estimatedError, "stf:estimatedError"))

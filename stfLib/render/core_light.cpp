@@ -5,8 +5,9 @@
 #include "stfLib/base/sampler.h"
 #include "stfLib/core/local_thickness.h"
 #include "stfLib/optics/fresnel.h"
-#include "stfLib/render/plain_shader.h"
+#include "stfLib/render/scene_rays.h"
 #include "stfLib/render/shell_march.h"
+#include "stfLib/render/surface_point.h"
 #include "stfLib/transport/lateral_filter.h"
 #include "stfLib/transport/tile_tracer.h"
 
@@ -19,16 +20,16 @@ namespace {
 
 constexpr float kPi = 3.14159265358979f;
 constexpr std::size_t kMinSamples = 400;
-constexpr std::size_t kMaxSamples = 24'000; ///< more take longer than they show
-constexpr double kSpacing = 0.5;                      ///< of the spread length, between samples
-constexpr double kFinestSpacing = 0.45;               ///< the same where thin parts ask for more
-constexpr std::size_t kProbes = 300;                  ///< of the thickness
-constexpr float kFilterSpacings = 1.8f;               ///< radius within which samples make the exitance of a point
-constexpr std::uint64_t kBounceSeed = 0x626f756e6365; ///< apart from those of lights
-constexpr int kMaxLights = 32;                        ///< of a sample of the core; more are chosen from
-/// Rays to a dome, to another light and for bounced light: fewer per sample where samples are many, since the core
-/// mixes them anyway.
-constexpr std::size_t kDomeRays = 200'000, kNearRays = 80'000, kBounceRays = 65'000;
+constexpr std::size_t kMaxSamples = 24'000;             ///< more take longer than they show
+constexpr double kSpacing = 0.5;                        ///< of the spread length, between samples
+constexpr double kFinestSpacing = 0.45;                 ///< the same where thin parts ask for more
+constexpr std::size_t kProbes = 300;                    ///< of the thickness
+constexpr float kFilterSpacings = 1.8f;                 ///< radius within which samples make the exitance of a point
+constexpr std::uint64_t kIndirectSeed = 0x626f756e6365; ///< apart from those of lights
+constexpr int kIndirectTurns = 4;
+constexpr int kMaxLights = 32; ///< of a sample of the core; more are chosen from
+/// Rays to a dome and to another light: fewer per sample where samples are many, since the core mixes them anyway.
+constexpr std::size_t kDomeRays = 200'000, kNearRays = 80'000;
 
 int raysPerSample(std::size_t all, std::size_t samples, int least, int most) {
     return std::clamp(int(all / std::max<std::size_t>(1, samples)), least, most);
@@ -37,11 +38,6 @@ int raysPerSample(std::size_t all, std::size_t samples, int least, int most) {
 // Where samples are chosen, so that they stay in place on a body that moves.
 const std::vector<Vec3f>& restPoints(const ShellObject& o) {
     return o.pose ? o.pose->atRest().points : o.boundary->inner;
-}
-
-template<class T>
-std::string hashOf(const std::vector<T>& values) {
-    return contentHashOf({reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)});
 }
 
 // How many samples a core asks for: half the shortest length over which its light spreads apart, closer where a tenth
@@ -193,6 +189,7 @@ std::shared_ptr<const ShellCore> ShellCores::prepare(const ShellObject& o, std::
             p *= o.mmPerUnit;
         }
         const double spacing = std::sqrt(area / double(std::max<std::size_t>(1, samples.areas.size())));
+        made->spacingMm = spacing;
         made->toSurface = SampleFilter(samples, places, o.surface->normals, {float(spacing) * kFilterSpacings});
         int used = std::snprintf(text, sizeof text, "%zu samples %.3g mm apart", samples.areas.size(), spacing);
         if (made->wanted > double(kMaxSamples)) {
@@ -219,113 +216,161 @@ void ShellCores::dropUnused() {
     asked_.clear();
 }
 
-std::vector<Rgb> coreRadiance(const ShellCore& core, const ShellObject& o, const Transform& objectToWorld,
-                              const PreparedScene& scene, bool bounces, std::uint64_t seed, Progress& progress) {
-    const BoundarySamples& at = *core.samples;
-    const std::size_t count = at.count();
-    if (count == 0) {
-        return std::vector<Rgb>(o.surface->points.size(), Rgb(0.0f));
+// A sample of the inner boundary, as seen from the surface above it.
+struct CoreLighting::Impl {
+    Impl(std::shared_ptr<const ShellCore> c, const PreparedInstance& i, const PreparedScene& s, std::uint64_t seed_)
+        : core(std::move(c)), instance(i), scene(s), object(*i.mesh->shell),
+          seed(seed_), dipoles{{object.core.sigmaA.x, object.core.sigmaSPrime.x},
+                               {object.core.sigmaA.y, object.core.sigmaSPrime.y},
+                               {object.core.sigmaA.z, object.core.sigmaSPrime.z}},
+          maps(*object.table, 0.5 * core->spacingMm), lit(core->samples->count()) {}
+
+    struct Place {
+        TrianglePlace at;
+        ShellLookup frame;
+        TileFrame tile;
+        std::size_t column;
+        float ior;
+        Vec3f outer, worldNormal, worldPoint;
+    };
+    Place placeOf(std::size_t sample) const {
+        const TrianglePlace at = core->samples->places[sample];
+        const ShellLookup frame = frameAt(object, at.triangle, at.b1, at.b2);
+        const Vec3d& voxel = object.volume->voxelMm;
+        const Vec3i size = object.table->size;
+        const int ix = TileTracer::wrap(int(std::floor(frame.exemplar.x / float(voxel.x))), size.x);
+        const int iy = TileTracer::wrap(int(std::floor(frame.exemplar.y / float(voxel.y))), size.y);
+        const Vec3f outer = pointAt(object.surface->points, object.surface->triangles[at.triangle], at);
+        return {at,
+                frame,
+                TileFrame(frame),
+                std::size_t(ix) + std::size_t(size.x) * std::size_t(iy),
+                object.medium->ior(topOfTile(object, frame.exemplar)),
+                outer,
+                instance.worldNormal(frame.normal),
+                instance.worldPoint(outer)};
     }
+    Vec3f inTile(const Place& place, const Vec3f& towards) const {
+        return place.tile.toTile(instance.objectDirection(towards));
+    }
+    // What a direction (of the tile) brings through the shell.
+    void shine(const Place& place, const Vec3f& local, const Rgb& in, Rgb& diffuse, Rgb& direct) const {
+        const DirectionWeights w = object.table->directions.weights(local);
+        const Rgb all = ColumnMaps::blend(maps.transmitted, place.column, w);
+        const Rgb straight = ColumnMaps::blend(maps.direct, place.column, w);
+        // The core has the index of the shell: what has not collided arrives at the refracted angle. Its share is that
+        // of the table's own, scaled medium (DESIGN 3.10).
+        const double cosine = double(fresnel(local.z, place.ior).cosT);
+        diffuse += in * (all - straight);
+        for (int c = 0; c < 3; ++c) {
+            const double albedo = dipoles[c].diffuseAlbedo();
+            // Without scattering there is no such ratio: what crosses the core counts as it is.
+            const double ratio = albedo > 0 ? dipoles[c].directAlbedo(cosine) / albedo : 1.0;
+            direct[c] += in[c] * straight[c] * float(ratio);
+        }
+    }
+    void askLights(std::size_t sample, SceneRays& rays);
+
+    std::shared_ptr<const ShellCore> core;
+    const PreparedInstance& instance;
+    const PreparedScene& scene;
+    const ShellObject& object;
+    std::uint64_t seed;
+    Dipole dipoles[3];
+    ColumnMaps maps;
+    CoreLight lit; ///< by lights alone
+};
+
+void CoreLighting::Impl::askLights(std::size_t i, SceneRays& rays) {
     const LightSet& lights = scene.lights;
-    const Dipole dipoles[3] = {{o.core.sigmaA.x, o.core.sigmaSPrime.x},
-                               {o.core.sigmaA.y, o.core.sigmaSPrime.y},
-                               {o.core.sigmaA.z, o.core.sigmaSPrime.z}};
-    double areaMm2 = 0;
-    for (float a : core.response->samples().areas) {
-        areaMm2 += double(a);
-    }
-    const ColumnMaps maps(*o.table, 0.5 * std::sqrt(areaMm2 / double(count)));
-    CoreLight s(count);
-    const Transform worldToObject = objectToWorld.inverse();
-    const Vec3i size = o.table->size;
-    const float offset = 1e-3f * o.grid->voxelSize();
+    const Place place = placeOf(i);
+    const std::size_t count = core->samples->count();
     const int domeSamples = raysPerSample(kDomeRays, count, 8, 96);
     const int nearSamples = raysPerSample(kNearRays, count, 2, 8);
-    const int bounceSamples = bounces ? raysPerSample(kBounceRays, count, 4, 32) : 0;
+    const float offset = 1e-3f * object.grid->voxelSize();
+    lit.shellReflectance[i] = maps.reflected[place.column];
+    if (!maps.emitted.empty()) {
+        lit.diffuse[i] += maps.emitted[place.column];
+    }
+    LightPick picks[kMaxLights];
+    PixelSampler chooser(seed, i, 0);
+    const int chosen = lights.choose(place.worldPoint, place.worldNormal, chooser.next1d(), kMaxLights, picks);
+    for (int p = 0; p < chosen; ++p) {
+        const std::size_t l = picks[p].light;
+        if (scene.keepsDomes && lights.isSmoothDome(l)) {
+            continue;
+        }
+        const int n = lights.isDome(l) ? domeSamples : nearSamples;
+        for (int k = 0; k < n; ++k) {
+            PixelSampler sampler(seed + 17 * l, i, std::uint32_t(k));
+            const Vec2f u = sampler.next2d(), v = sampler.next2d();
+            const LightSample light = lights.sample(l, place.worldPoint, place.worldNormal, u);
+            const Vec3f local = inTile(place, light.towards);
+            if (!(local.z > 0) || !(maxComponent(light.irradiance) > 0)) {
+                continue;
+            }
+            const Vec3f& up = place.frame.normal;
+            const Vec3f from =
+                jitterOnSurface(*object.rayMesh, place.outer, up, object.blurRadiusMm / object.mmPerUnit, v);
+            const Vec3f lifted = instance.worldPoint(from + up * offset) + place.worldNormal * scene.rounding;
+            const Rgb visible = rays.visibility(lifted, light);
+            if (maxComponent(visible) > 0) {
+                shine(place, local, light.irradiance * visible * (picks[p].weight / float(n)), lit.diffuse[i],
+                      lit.direct[i]);
+            }
+        }
+    }
+}
 
-    parallelFor(count, 16, [&](std::size_t begin, std::size_t end) {
+CoreLighting::CoreLighting(std::shared_ptr<const ShellCore> core, const PreparedInstance& instance,
+                           const PreparedScene& scene, std::uint64_t seed, Progress& progress) {
+    auto impl = std::make_unique<Impl>(std::move(core), instance, scene, seed);
+    parallelFor(impl->core->samples->count(), 16, [&](std::size_t begin, std::size_t end) {
         if (progress.cancelled()) {
             throw Cancelled();
         }
         SceneRays rays(scene);
-        PlainShader plain(scene, rays);
         for (std::size_t i = begin; i < end; ++i) {
-            const TrianglePlace place = at.places[i];
-            const Vec3i& tri = o.surface->triangles[place.triangle];
-            const ShellLookup frame = frameAt(o, place.triangle, place.b1, place.b2);
-            const Vec3f outer = pointAt(o.surface->points, tri, place);
-            const int ix = TileTracer::wrap(int(std::floor(frame.exemplar.x / float(o.volume->voxelMm.x))), size.x);
-            const int iy = TileTracer::wrap(int(std::floor(frame.exemplar.y / float(o.volume->voxelMm.y))), size.y);
-            const std::size_t column = std::size_t(ix) + std::size_t(size.x) * std::size_t(iy);
-            s.shellReflectance[i] = maps.reflected[column];
-            if (!maps.emitted.empty()) {
-                s.diffuse[i] += maps.emitted[column];
-            }
-            const TileFrame tile(frame);
-            const float ior = o.medium->ior(topOfTile(o, frame.exemplar));
-
-            const Vec3f worldNormal = normalize(Vec3f(objectToWorld.normal(Vec3d(frame.normal))));
-            const Vec3f worldPoint(objectToWorld.point(Vec3d(outer)));
-            const auto startAt = [&](const Vec3f& point) {
-                return Vec3f(objectToWorld.point(Vec3d(point + frame.normal * offset))) + worldNormal * scene.rounding;
-            };
-            // What a direction brings through the shell.
-            const auto shine = [&](const Vec3f& local, const Rgb& in) {
-                const DirectionWeights w = o.table->directions.weights(local);
-                const Rgb all = ColumnMaps::blend(maps.transmitted, column, w);
-                const Rgb direct = ColumnMaps::blend(maps.direct, column, w);
-                // The core has the index of the shell: what has not collided arrives at the refracted angle. Its share
-                // is that of the table's own, scaled medium (DESIGN 3.10).
-                const double cosine = double(fresnel(local.z, ior).cosT);
-                s.diffuse[i] += in * (all - direct);
-                for (int c = 0; c < 3; ++c) {
-                    const double diffuse = dipoles[c].diffuseAlbedo();
-                    // Without scattering there is no such ratio: what crosses the core counts as it is.
-                    const double ratio = diffuse > 0 ? dipoles[c].directAlbedo(cosine) / diffuse : 1.0;
-                    s.direct[i][c] += in[c] * direct[c] * float(ratio);
-                }
-            };
-            const auto inTile = [&](const Vec3f& towards) {
-                return tile.toTile(normalize(Vec3f(worldToObject.vector(Vec3d(towards)))));
-            };
-            LightPick picks[kMaxLights];
-            PixelSampler chooser(seed, i, 0);
-            const int chosen = lights.choose(worldPoint, worldNormal, chooser.next1d(), kMaxLights, picks);
-            for (int p = 0; p < chosen; ++p) {
-                const std::size_t l = picks[p].light;
-                const int n = lights.isDome(l) ? domeSamples : nearSamples;
-                for (int k = 0; k < n; ++k) {
-                    PixelSampler sampler(seed + 17 * l, i, std::uint32_t(k));
-                    const Vec2f u = sampler.next2d(), v = sampler.next2d();
-                    const LightSample light = lights.sample(l, worldPoint, worldNormal, u);
-                    const Vec3f local = inTile(light.towards);
-                    if (!(local.z > 0) || !(maxComponent(light.irradiance) > 0)) {
-                        continue;
-                    }
-                    const Rgb visible = rays.visibility(
-                        startAt(jitterOnSurface(*o.rayMesh, outer, frame.normal, o.blurRadiusMm / o.mmPerUnit, v)),
-                        light);
-                    if (maxComponent(visible) > 0) {
-                        // A mesh that is a light is met by bounced rays as well: each way has its share.
-                        const float share = bounces ? PlainShader::besideBounced(light, worldNormal, 1) : 1.0f;
-                        shine(local, light.irradiance * visible * (share * picks[p].weight / float(n)));
-                    }
-                }
-            }
-            for (int k = 0; k < bounceSamples; ++k) {
-                PixelSampler sampler(seed + kBounceSeed, i, std::uint32_t(k));
-                const LightSample light = plain.bounced(startAt(outer), worldNormal, 1, sampler);
-                const Vec3f local = inTile(light.towards);
-                if (local.z > 0 && maxComponent(light.irradiance) > 0) {
-                    shine(local, light.irradiance / float(bounceSamples));
-                }
-            }
+            impl->askLights(i, rays);
         }
     });
+    impl_ = std::move(impl);
+}
 
-    CoreSolver solver(core.response, std::move(s));
+CoreLighting::~CoreLighting() = default;
+
+std::vector<Rgb> CoreLighting::radiance(Progress& progress) const {
+    const Impl& s = *impl_;
+    const std::size_t count = s.core->samples->count();
+    if (count == 0) {
+        return std::vector<Rgb>(s.object.surface->points.size(), Rgb(0.0f));
+    }
+    CoreLight light = s.lit;
+    if (!s.instance.indirect.empty()) {
+        parallelFor(count, 64, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                const Impl::Place place = s.placeOf(i);
+                const IndirectLight indirect = betweenCorners(
+                    s.instance.indirect, s.object.surface->triangles[place.at.triangle], place.at.b1, place.at.b2);
+                if (!(maxComponent(indirect.mean) > 0)) {
+                    continue;
+                }
+                for (int k = 0; k < kIndirectTurns; ++k) {
+                    PixelSampler sampler(s.seed + kIndirectSeed, i, std::uint32_t(k));
+                    const IndirectSample from = sampleIndirect(indirect, place.worldNormal, sampler);
+                    for (int d = 0; d < IndirectSample::kDirections; ++d) {
+                        if (const Vec3f local = s.inTile(place, from.towards[d]); local.z > 0) {
+                            s.shine(place, local, from.irradiance[d] / float(kIndirectTurns), light.diffuse[i],
+                                    light.direct[i]);
+                        }
+                    }
+                }
+            }
+        });
+    }
+    CoreSolver solver(s.core->response, std::move(light));
     solver.solve(progress);
-    std::vector<Rgb> radiance = core.toSurface.apply(solver.exitance());
+    std::vector<Rgb> radiance = s.core->toSurface.apply(solver.exitance());
     for (Rgb& r : radiance) {
         r = r / kPi;
     }

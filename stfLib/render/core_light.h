@@ -14,6 +14,7 @@ struct ShellCore {
     std::shared_ptr<const BoundarySamples> samples;
     std::shared_ptr<const CoreResponse> response;
     SampleFilter toSurface; ///< one place per point of the surface
+    double spacingMm = 0;   ///< between samples
     double wanted = 0;      ///< samples that half a spread length asks for; `samples` may be fewer
     std::string summary;    ///< for the plan
 };
@@ -33,12 +34,25 @@ private:
     std::vector<std::shared_ptr<const ShellCore>> asked_; ///< they hold their samples
 };
 
-/// Radiance that leaves the core of one instance (B / pi, tile units cancel), per point of its surface: lights, and
-/// plain surfaces where `bounces` is set, shine through the shell onto samples of the inner boundary, and the core's
-/// balance is solved there. Depends on the scene and the instance's place, not on the camera. Deterministic.
-/// Throws Cancelled.
-std::vector<Rgb> coreRadiance(const ShellCore& core, const ShellObject& object, const Transform& objectToWorld,
-                              const PreparedScene& scene, bool bounces, std::uint64_t seed, Progress& progress);
+/// The core of one instance under the light that shines through its shell onto samples of the inner boundary. Depends
+/// on the scene and the instance's place, not on the camera. Deterministic by `seed`.
+class CoreLighting {
+public:
+    /// Asks the lights of the scene. All must outlive this. Throws Cancelled.
+    CoreLighting(std::shared_ptr<const ShellCore> core, const PreparedInstance& instance, const PreparedScene& scene,
+                 std::uint64_t seed, Progress& progress);
+    ~CoreLighting();
+    CoreLighting(const CoreLighting&) = delete;
+    CoreLighting& operator=(const CoreLighting&) = delete;
+
+    /// Solves the core's balance for the lights and the instance's indirect light of now: radiance that leaves the core
+    /// (B / pi, tile units cancel), per point of the surface. Throws Cancelled.
+    std::vector<Rgb> radiance(Progress& progress) const;
+
+private:
+    struct Impl;
+    std::unique_ptr<const Impl> impl_;
+};
 
 /// A point of the surface moved by a random step of at most `radius` (object units) within the tangent plane and put
 /// back onto the surface; the point itself where the step leaves it. Visibility for multiple scattering starts there.

@@ -7,7 +7,8 @@ namespace stf {
 
 namespace {
 constexpr float kPi = 3.14159265358979f;
-constexpr float kImagePart = 0.5f; // of directions that go by a texture's brightness
+constexpr double kSmoothContrast = 4; // brightest over mean
+constexpr float kImagePart = 0.5f;    // of directions that go by a texture's brightness
 
 // USD: a dome's texture has its north pole on +y, and longitude grows so that the middle of the image is at -z.
 Vec2f latLong(const Vec3f& d) {
@@ -47,6 +48,14 @@ void DomeLight::buildCdf() {
         total += row * s;
         rowCdf_[y] = float(total);
     }
+    double brightest = 0, sines = 0;
+    for (const Rgb& p : image_.pixels) {
+        brightest = std::max(brightest, double(luminance(p)));
+    }
+    for (std::size_t y = 0; y < h; ++y) {
+        sines += std::sin(double(kPi) * (double(y) + 0.5) / double(h)) * double(w);
+    }
+    smooth_ = brightest * sines <= kSmoothContrast * total;
     for (float& r : rowCdf_) {
         r = total > 0 ? float(double(r) / total) : 0.0f;
     }

@@ -23,6 +23,9 @@ public:
     /// Per solid angle, with which `sample` chooses a direction (unit, world).
     float density(const Vec3f& normal, const Vec3f& towards) const;
 
+    /// No direction is much brighter than the others are on average.
+    bool smooth() const { return smooth_; }
+
 private:
     Rgb lookUp(const Vec3f& lightDirection) const;
     float imageDensity(const Vec3f& lightDirection) const;
@@ -30,6 +33,7 @@ private:
     void buildCdf();
 
     Rgb tint_{0.0f}; ///< factor of the texture
+    bool smooth_ = true;
     Transform lightToWorld_, worldToLight_;
     LatLongImage image_;
     std::vector<float> rowCdf_, columnCdf_; ///< cumulative brightness, times the sine of the row's polar angle

@@ -71,6 +71,7 @@ void Film::resize(int width, int height) {
 void Film::clear() {
     const std::size_t n = std::size_t(width_) * std::size_t(height_);
     pixels_.assign(n, Accumulator());
+    blocks_.assign(n, Blocks());
     parts_.assign(n, Parts());
     hits_.assign(n, PixelHit());
     denoised_.clear();
@@ -88,6 +89,13 @@ void Film::add(int x, int y, const PixelSample& s) {
     a.colorSquared += c * c;
     a.alpha += double(s.alpha);
     ++a.count;
+    Blocks& b = blocks_[i];
+    b.sum += c;
+    if (a.count % kBlock == 0) {
+        const Vec3d mean = b.sum * (1.0 / kBlock);
+        b.squared += mean * mean;
+        b.sum = Vec3d(0.0);
+    }
     const auto none = [](const Rgb& v) { return v.x == 0 && v.y == 0 && v.z == 0; };
     if (none(s.single) && none(s.multiple) && none(s.core) && none(s.reflection)) {
         return; // no shell: most of many pictures
@@ -142,13 +150,9 @@ std::vector<float> Film::read(Aov aov) const {
         case Aov::SampleCount:
             p[0] = float(a.count);
             break;
-        case Aov::Variance: {
-            const Vec3d mean = a.color * inv, v = a.colorSquared * inv - mean * mean;
-            const double scale = a.count > 1 ? exposure_ * exposure_ / (a.count - 1) : 0.0;
-            put({float(std::max(0.0, v.x) * scale), float(std::max(0.0, v.y) * scale),
-                 float(std::max(0.0, v.z) * scale)});
+        case Aov::Variance:
+            put(Vec3f(varianceOf(i) * (exposure_ * exposure_)));
             break;
-        }
         case Aov::StfSingle:
             put(Rgb(parts_[i].single * exposed));
             break;
@@ -180,30 +184,44 @@ std::vector<std::int32_t> Film::readIds(Aov aov) const {
     return out;
 }
 
-LuminanceEstimate Film::luminanceOf(const Accumulator& a) {
+Vec3d Film::varianceOf(std::size_t i) const {
+    const Accumulator& a = pixels_[i];
+    const std::uint32_t full = a.count / kBlock;
+    Vec3d v(0.0);
+    if (full > 1) {
+        // Samples beyond the last full block are left aside, but for their share in the mean's error.
+        const Vec3d mean = (a.color - blocks_[i].sum) * (1.0 / (full * kBlock));
+        v = (blocks_[i].squared * (1.0 / full) - mean * mean) * (double(full * kBlock) / a.count / (full - 1));
+    } else if (a.count > 1) {
+        const Vec3d mean = a.color * (1.0 / a.count);
+        v = (a.colorSquared * (1.0 / a.count) - mean * mean) * (1.0 / (a.count - 1));
+    }
+    return {std::max(0.0, v.x), std::max(0.0, v.y), std::max(0.0, v.z)};
+}
+
+LuminanceEstimate Film::luminanceOf(std::size_t i) const {
+    const Accumulator& a = pixels_[i];
     if (a.count < 2) {
         return {0, std::numeric_limits<double>::infinity()};
     }
-    const double inv = 1.0 / a.count;
-    const Vec3d m = a.color * inv, v = (a.colorSquared * inv - m * m) * (1.0 / (a.count - 1));
-    const Rgb deviation(float(std::sqrt(std::max(0.0, v.x))), float(std::sqrt(std::max(0.0, v.y))),
-                        float(std::sqrt(std::max(0.0, v.z))));
-    return {double(luminance(Rgb(m))), double(luminance(deviation))};
+    const Vec3d v = varianceOf(i);
+    const Rgb deviation(float(std::sqrt(v.x)), float(std::sqrt(v.y)), float(std::sqrt(v.z)));
+    return {double(luminance(Rgb(a.color * (1.0 / a.count)))), double(luminance(deviation))};
 }
 
 std::vector<LuminanceEstimate> Film::luminances() const {
     std::vector<LuminanceEstimate> out;
     out.reserve(pixels_.size());
-    for (const Accumulator& a : pixels_) {
-        out.push_back(luminanceOf(a));
+    for (std::size_t i = 0; i < pixels_.size(); ++i) {
+        out.push_back(luminanceOf(i));
     }
     return out;
 }
 
 double Film::relativeError() const {
     double mean = 0, error = 0;
-    for (const Accumulator& a : pixels_) {
-        const LuminanceEstimate e = luminanceOf(a);
+    for (std::size_t i = 0; i < pixels_.size(); ++i) {
+        const LuminanceEstimate e = luminanceOf(i);
         if (std::isfinite(e.error)) {
             error += e.error;
             mean += e.mean;

@@ -105,12 +105,21 @@ private:
     struct Parts { // of the colour, on shells
         Vec3d single, multiple, core, reflection;
     };
-    static LuminanceEstimate luminanceOf(const Accumulator& a);
+    /// Samples of a pixel are stratified among each other and err less than independent ones would. As many that follow
+    /// each other are stratified, too: means of these are what the pixel's error is told from, a little too large
+    /// still.
+    static constexpr std::uint32_t kBlock = 4;
+    struct Blocks {
+        Vec3d sum, squared; ///< of the block that is being filled; of the means of those that are full
+    };
+    Vec3d varianceOf(std::size_t pixel) const; ///< of the mean colour
+    LuminanceEstimate luminanceOf(std::size_t pixel) const;
     std::size_t index(int x, int y) const { return std::size_t(y) * std::size_t(width_) + std::size_t(x); }
 
     int width_ = 0, height_ = 0;
     double exposure_ = 1;
     std::vector<Accumulator> pixels_;
+    std::vector<Blocks> blocks_;
     std::vector<Parts> parts_;
     std::vector<PixelHit> hits_;
     std::vector<float> denoised_;

@@ -32,6 +32,8 @@ int Integrator::lightsOnShell(const PreparedInstance& instance, const Surfel& su
     const float offset = 1e-3f * shell.grid->voxelSize();
 
     int count = 0;
+    const bool kept = indirect && scene_.irradianceCache && !instance.indirect.empty();
+    const bool traced = indirect && scene_.shellsSeeOthers && !scene_.irradianceCache;
     const auto visible = [&](const Vec3f& point, const LightSample& light) {
         const Vec3f lifted = instance.worldPoint(point + objectNormal * offset);
         return rays_.visibility(lifted + surfel.normal * scene_.rounding, light);
@@ -40,6 +42,9 @@ int Integrator::lightsOnShell(const PreparedInstance& instance, const Surfel& su
     const int chosen = rays_.chooseLights(surfel.point, surfel.normal, sampler, picks);
     for (int i = 0; i < chosen; ++i) {
         const std::size_t l = picks[i].light;
+        if (kept && scene_.keepsDomes && scene_.lights.isSmoothDome(l)) {
+            continue;
+        }
         const int directions = scene_.lights.isDome(l) ? kDomeDirections : kNearDirections;
         const PixelSampler::Points u = sampler.next2dPoints(directions), disc = sampler.next2dPoints(directions);
         for (int k = 0; k < directions; ++k) {
@@ -47,7 +52,7 @@ int Integrator::lightsOnShell(const PreparedInstance& instance, const Surfel& su
             if (!(maxComponent(light.irradiance) > 0)) {
                 continue;
             }
-            const float share = indirect ? PlainShader::besideBounced(light, surfel.normal, directions) : 1.0f;
+            const float share = traced ? PlainShader::besideBounced(light, surfel.normal, directions) : 1.0f;
             const Rgb irradiance = light.irradiance * (share * picks[i].weight / float(directions));
             const Rgb exact = visible(surfel.shadowOrigin, light);
             const Vec3f moved = jitterOnSurface(*instance.mesh->rayMesh, surfel.shadowOrigin, objectNormal,
@@ -61,7 +66,16 @@ int Integrator::lightsOnShell(const PreparedInstance& instance, const Surfel& su
             }
         }
     }
-    if (indirect) {
+    if (kept) {
+        const Vec3i& corners = instance.mesh->surface->triangles[surfel.triangle];
+        const IndirectLight light = betweenCorners(instance.indirect, corners, surfel.u, surfel.v);
+        if (maxComponent(light.mean) > 0) {
+            const IndirectSample from = sampleIndirect(light, surfel.normal, sampler);
+            for (int k = 0; k < IndirectSample::kDirections; ++k) {
+                lights[count++] = {instance.objectDirection(from.towards[k]), from.irradiance[k], from.irradiance[k]};
+            }
+        }
+    } else if (traced) {
         const Vec3f from = instance.worldPoint(surfel.shadowOrigin + objectNormal * offset);
         const LightSample light =
             plain_.bounced(from + surfel.normal * scene_.rounding, surfel.normal, kNearDirections, sampler);
@@ -125,6 +139,85 @@ Ray Integrator::leaveShell(const PreparedInstance& instance, const Vec3f& entry,
     ray.direction = instance.worldDirection(out.refracted);
     ray.origin = instance.worldPoint(point) + worldNormal * scene_.shadowOffset;
     return ray;
+}
+
+Integrator::ShellMeeting Integrator::meetShell(const PreparedInstance& instance, const Surfel& surfel, const Ray& ray,
+                                               const RayHit& hit, float medium, float footprintMm, bool indirect,
+                                               PixelSampler& sampler) {
+    const ShellObject& shell = *instance.mesh->shell;
+    const Vec3f scaled(instance.worldToObject.vector(Vec3d(ray.direction)));
+    const float scale = length(scaled);
+    Vec3f direction = scaled / scale;
+    ShellMeeting m;
+    m.onward = ray;
+    m.mirrorMoved = hit.t;
+    const bool refracts = shell.medium->refracts();
+    if (refracts && shell.medium->hasSurface()) {
+        const ReliefRadiance r = shadeRelief(instance, surfel, hit, direction, footprintMm, indirect, sampler);
+        m.single = r.single * medium;
+        m.multiple = r.multiple * medium;
+        m.core = r.core * medium;
+        m.reflection = r.reflection * medium;
+        if (maxComponent(r.through.weight) > 0) {
+            m.stopped = r.through.stopped;
+            m.through = r.through.weight * (m.stopped ? medium : 1.0f);
+            m.onward = m.stopped ? goOnWithin(instance, r.through) : leaveRelief(instance, r.through);
+            m.moved = hit.t + r.through.travelled / scale;
+        }
+        m.reflected = r.mirror.weight;
+        if (maxComponent(m.reflected) > 0) {
+            m.mirrorRay = leaveRelief(instance, r.mirror);
+            m.mirrorMoved = hit.t + r.mirror.travelled / scale;
+        }
+        return m;
+    }
+    // What is inside is seen through the surface: (1 - F) of it, and less by n^2, for the solid angle widens there
+    // (DESIGN 3.6).
+    SurfaceCrossing in;
+    float inner = medium;
+    if (refracts) {
+        const float ior = marchOf(instance).iorAt(surfel.objectPoint, surfel.triangle);
+        in = crossSurface(direction, normalize(smoothNormal(*instance.mesh->surface, hit)), hit.geometricNormal, ior);
+        direction = in.reflectance < 1 ? in.refracted : direction;
+        inner *= (1 - in.reflectance) / (ior * ior);
+    }
+    if (inner > 0) {
+        const ShellRadiance r = shadeShell(instance, surfel, direction, footprintMm, indirect, sampler);
+        m.single = r.single * inner;
+        m.multiple = r.multiple * inner;
+        m.core = r.core * inner;
+        m.through = r.transmittance * (1 - in.reflectance); // n^2 is undone where it leaves again
+        m.onward.tNear = (hit.t + r.tExit / scale) * (1 + 1e-6f) + scene_.shadowOffset;
+        m.stopped = r.stopped;
+        if (m.stopped) {
+            m.through = r.transmittance * inner;
+            if (refracts) {
+                m.onward = Ray();
+                m.onward.origin = instance.worldPoint(surfel.objectPoint);
+                m.onward.direction = instance.worldDirection(direction);
+                m.moved = hit.t;
+            }
+            m.onward.tNear = (hit.t - m.moved + r.tExit / scale) * (1 - 1e-6f) - scene_.rounding;
+        } else if (refracts && r.throughSurface && dot(direction, r.exit.geometricNormal) > 0 &&
+                   maxComponent(m.through) > 0) {
+            float share = 1;
+            m.onward = leaveShell(instance, surfel.objectPoint, direction, r, share);
+            m.moved = hit.t + r.tExit / scale;
+            m.through *= share;
+        }
+    }
+    if (in.reflectance > 0) {
+        m.reflected = Rgb(in.reflectance);
+        m.mirrorRay.direction = instance.worldDirection(in.reflected);
+        m.mirrorRay.origin = instance.worldPoint(surfel.shadowOrigin) + surfel.normal * scene_.shadowOffset;
+    }
+    return m;
+}
+
+Rgb Integrator::scattered(const PreparedInstance& instance, const Ray& ray, const RayHit& hit, float footprintMm,
+                          PixelSampler& sampler) {
+    const ShellMeeting m = meetShell(instance, surfelAt(instance, ray, hit), ray, hit, 1, footprintMm, true, sampler);
+    return m.single + m.multiple + m.core + m.reflection;
 }
 
 PixelSample Integrator::sample(const Bundle& bundle, int i, const RayCone& cone, PixelSampler& sampler) {
@@ -227,7 +320,7 @@ PixelSample Integrator::sample(const Bundle& bundle, int i, const RayCone& cone,
         }
         const PreparedInstance& instance = rays_.instance(hit.instance);
         const Surfel surfel = surfelAt(instance, ray, hit);
-        const ShellObject* shell = instance.mesh->shell.get();
+        const ShellObject* const shell = instance.mesh->shell.get();
         const WayOutGuard wayOut(*this, path, sampler);
         if (!shell) {
             const Rgb before = throughput;
@@ -253,84 +346,17 @@ PixelSample Integrator::sample(const Bundle& bundle, int i, const RayCone& cone,
             path.met = true;
             continue;
         }
-        const float scale = length(scaled);
-        Vec3f direction = scaled / scale;
         // Shells are lit as in air, also where they lie in another that refracts.
-        const float medium = path.index * path.index;
-        const Rgb inMedium = throughput;
-        throughput *= medium;
-        bool stopped = false;
-
-        const float footprint = (cone.at(path.travelled + hit.t) + path.spread * hit.t) * scale * shell->mmPerUnit;
-        const bool indirect = scene_.surfacesBounce && path.bounces < scene_.maxDepth;
-        // Two ways lead on: through the shell and off its surface.
-        Rgb through(0.0f), reflected(0.0f);
-        Ray onward = ray, mirrorRay;
-        float moved = 0, mirrorMoved = hit.t; // from the ray's origin to that of the next
-        if (shell->medium->refracts() && shell->medium->hasSurface()) {
-            const ReliefRadiance r = shadeRelief(instance, surfel, hit, direction, footprint, indirect, sampler);
-            collect(throughput * r.single, throughput * r.multiple, throughput * r.core);
-            add(throughput * r.reflection, path.bounced);
-            out.reflection += path.seen() ? throughput * r.reflection : Rgb(0.0f);
-            through = throughput * r.through.weight;
-            if (maxComponent(through) > 0) {
-                stopped = r.through.stopped;
-                onward = stopped ? goOnWithin(instance, r.through) : leaveRelief(instance, r.through);
-                moved = hit.t + r.through.travelled / scale;
-            }
-            reflected = throughput * r.mirror.weight;
-            if (maxComponent(reflected) > 0) {
-                mirrorRay = leaveRelief(instance, r.mirror);
-                mirrorMoved = hit.t + r.mirror.travelled / scale;
-            }
-        } else {
-            // What is inside is seen through the surface: (1 - F) of it, and less by n^2, for the solid angle widens
-            // there (DESIGN 3.6).
-            const bool refracts = shell->medium->refracts();
-            SurfaceCrossing in;
-            Rgb inner = throughput;
-            if (refracts) {
-                const float ior = marchOf(instance).iorAt(surfel.objectPoint, surfel.triangle);
-                in = crossSurface(direction, normalize(smoothNormal(*instance.mesh->surface, hit)), hit.geometricNormal,
-                                  ior);
-                direction = in.reflectance < 1 ? in.refracted : direction;
-                inner *= (1 - in.reflectance) / (ior * ior);
-            }
-            if (maxComponent(inner) > 0) {
-                const ShellRadiance r = shadeShell(instance, surfel, direction, footprint, indirect, sampler);
-                collect(inner * r.single, inner * r.multiple, inner * r.core);
-                through = throughput * r.transmittance * (1 - in.reflectance); // n^2 is undone where it leaves again
-                onward.tNear = (hit.t + r.tExit / scale) * (1 + 1e-6f) + scene_.shadowOffset;
-                stopped = r.stopped;
-                if (stopped) {
-                    through = inner * r.transmittance;
-                    if (refracts) {
-                        onward = Ray();
-                        onward.origin = instance.worldPoint(surfel.objectPoint);
-                        onward.direction = instance.worldDirection(direction);
-                        moved = hit.t;
-                    }
-                    onward.tNear = (hit.t - moved + r.tExit / scale) * (1 - 1e-6f) - scene_.rounding;
-                } else if (refracts && r.throughSurface && dot(direction, r.exit.geometricNormal) > 0 &&
-                           maxComponent(through) > 0) {
-                    float share = 1;
-                    onward = leaveShell(instance, surfel.objectPoint, direction, r, share);
-                    moved = hit.t + r.tExit / scale;
-                    through *= share;
-                }
-            }
-            if (in.reflectance > 0) {
-                reflected = throughput * in.reflectance;
-                mirrorRay.direction = instance.worldDirection(in.reflected);
-                mirrorRay.origin = instance.worldPoint(surfel.shadowOrigin) + surfel.normal * scene_.shadowOffset;
-            }
-        }
-        if (!stopped) {
-            through /= medium;
-        }
-        reflected /= medium;
+        const float footprint =
+            (cone.at(path.travelled + hit.t) + path.spread * hit.t) * length(scaled) * shell->mmPerUnit;
+        const ShellMeeting m = meetShell(instance, surfel, ray, hit, path.index * path.index, footprint,
+                                         path.bounces < scene_.maxDepth, sampler);
+        collect(throughput * m.single, throughput * m.multiple, throughput * m.core);
+        add(throughput * m.reflection, path.bounced);
+        out.reflection += path.seen() ? throughput * m.reflection : Rgb(0.0f);
+        const Rgb through = throughput * m.through, reflected = throughput * m.reflected;
         if (path.seen()) {
-            out.alpha += average(inMedium - through);
+            out.alpha += average(throughput - through);
         }
         // Where both bring something, one is taken by its share.
         const float a = maxComponent(through), b = maxComponent(reflected);
@@ -340,7 +366,7 @@ PixelSample Integrator::sample(const Bundle& bundle, int i, const RayCone& cone,
         const bool mirror = b > 0 && (!(a > 0) || sampler.next1d() * (a + b) < b);
         throughput = mirror ? reflected * ((a + b) / b) : through * (a > 0 && b > 0 ? (a + b) / a : 1.0f);
         path.passShell(!shell->medium->refracts());
-        if (stopped && !mirror) {
+        if (m.stopped && !mirror) {
             path.enter(instance);
             path.index = indexWithin(instance, surfel.objectPoint, surfel.triangle);
             path.stopWithin();
@@ -348,11 +374,9 @@ PixelSample Integrator::sample(const Bundle& bundle, int i, const RayCone& cone,
         }
         if (mirror) {
             path.mirror();
-            moved = mirrorMoved;
-            onward = mirrorRay;
         }
-        ray = onward;
-        path.travelled += moved;
+        ray = mirror ? m.mirrorRay : m.onward;
+        path.travelled += mirror ? m.mirrorMoved : m.moved;
     }
     return out;
 }

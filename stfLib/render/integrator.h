@@ -40,17 +40,34 @@ public:
     PixelSample sample(const Bundle& bundle, int i, const RayCone& cone, PixelSampler& sampler);
     /// The first surface along it, for the AOVs that are not averaged.
     PixelHit firstHit(const Bundle& bundle, int i, const Camera& camera);
+    /// What a shell scatters or shines with towards where a ray (world) comes from that meets it at `hit`; light that
+    /// only passes through it, and mirror images, are left out. `footprintMm`: how much of it is seen.
+    Rgb scattered(const PreparedInstance& instance, const Ray& ray, const RayHit& hit, float footprintMm,
+                  PixelSampler& sampler);
     std::uint64_t rays() const { return rays_.count(); }
 
 private:
     /// Of other lights on a shell: their visibility is averaged over a disc.
     static constexpr int kNearDirections = 2;
-    static constexpr int kMaxShellLights = kMaxLightsPerPath * kDomeDirections + 1; // one of other surfaces
+    static constexpr int kMaxShellLights = kMaxLightsPerPath * kDomeDirections + IndirectSample::kDirections;
+    static_assert(kMaxShellLights <= TileLights::kMost);
 
     /// Lights of a path that enters a shell, with their visibility; `lights` has room for kMaxShellLights. `indirect`:
     /// with light from plain surfaces. How many.
     int lightsOnShell(const PreparedInstance& instance, const Surfel& surfel, bool indirect, PixelSampler& sampler,
                       ShellLight* lights);
+    /// A shell as a ray meets it from outside: what it adds, and the two ways on.
+    struct ShellMeeting {
+        Rgb single{0.0f}, multiple{0.0f}, core{0.0f};
+        Rgb reflection{0.0f};               ///< of these, seen in its relief
+        Rgb through{0.0f}, reflected{0.0f}; ///< what is left of the path either way
+        Ray onward, mirrorRay;
+        float moved = 0, mirrorMoved = 0; ///< from the ray's origin to those of the two
+        bool stopped = false;             ///< `onward` begins inside, before what else is met there
+    };
+    /// `medium`: radiance around the ray over that in air.
+    ShellMeeting meetShell(const PreparedInstance& instance, const Surfel& surfel, const Ray& ray, const RayHit& hit,
+                           float medium, float footprintMm, bool indirect, PixelSampler& sampler);
     /// `direction`: unit, object space, inside the shell; `footprintMm`: width of what the pixel sees there.
     ShellRadiance shadeShell(const PreparedInstance& instance, const Surfel& surfel, const Vec3f& direction,
                              float footprintMm, bool indirect, PixelSampler& sampler);

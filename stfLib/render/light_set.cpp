@@ -224,6 +224,14 @@ Rgb LightSet::background(const Vec3f& direction) const {
     return sum;
 }
 
+Rgb LightSet::smoothBackground(const Vec3f& direction) const {
+    Rgb sum(0.0f);
+    for (std::size_t i : far_) {
+        sum += isSmoothDome(i) ? lights_[i].dome.radiance(direction) : Rgb(0.0f);
+    }
+    return sum;
+}
+
 bool LightSet::hasDome() const {
     for (std::size_t i : far_) {
         if (lights_[i].type == Light::Type::Dome) {

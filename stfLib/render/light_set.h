@@ -88,8 +88,14 @@ public:
     /// How many directions towards a light are worth while on one path.
     bool isDome(std::size_t light) const { return lights_[light].type == Light::Type::Dome; }
 
+    /// A dome without bright spots: its light can be kept like that of surfaces.
+    bool isSmoothDome(std::size_t light) const {
+        return isDome(light) && lights_[light].shadows && lights_[light].dome.smooth();
+    }
     /// Radiance of what lies behind everything, in a direction.
     Rgb background(const Vec3f& direction) const;
+    /// Of the smooth domes alone.
+    Rgb smoothBackground(const Vec3f& direction) const;
     bool hasDome() const;
     /// Radiance of the lights with an area, and of wide distant ones, that a mirrored ray meets between `tNear` and
     /// `tMax`. Rays of the camera do not see them, as in other renderers. `blur`: least half angle, radians, of the

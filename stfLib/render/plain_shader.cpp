@@ -8,6 +8,7 @@ namespace stf {
 namespace {
 
 constexpr float kLeastCosine = 1e-4f; // of the viewer, where the smooth normal turns away while the triangle is seen
+constexpr int kMostClear = 64;        // surfaces that a ray goes straight through
 constexpr float kWideSpread = 0.5f;   // radians, of Lambert's lobe and of light in a shell
 
 PreviewPoint lambert(const Rgb& color) {
@@ -119,6 +120,24 @@ Rgb PlainShader::lightMet(const LightPath& path, const PreparedInstance& instanc
     return instance.material->emission() * emissionShare(path, instance, hit);
 }
 
+// One of both ways, so that what is behind is seen as often as it shines through.
+bool PlainShader::goesThrough(const Vertex& v, const PreviewBsdf& bsdf, Rgb& throughput, float& weight,
+                              PixelSampler& sampler) {
+    weight = 1;
+    if (!(v.at.opacity < 1)) {
+        return false;
+    }
+    const Rgb through = bsdf.through(v.out);
+    const float chance = v.at.presence ? through.x : std::min(1.0f, maxComponent(through));
+    if (sampler.next1d() < chance) {
+        throughput *= through / chance;
+        return true;
+    }
+    // What is there by chance counts as it is; a clear surface reflects wholly wherever it is.
+    weight = v.at.presence ? 1.0f : 1 / (1 - chance);
+    return false;
+}
+
 PlainShader::Step PlainShader::shade(LightPath& path, const PreparedInstance& instance, const Surfel& surfel,
                                      const RayHit& hit, PixelSampler& sampler) {
     Step step;
@@ -126,22 +145,12 @@ PlainShader::Step PlainShader::shade(LightPath& path, const PreparedInstance& in
     const Vertex v = vertexAt(instance, surfel, hit, direction, path.spread);
     const PreviewBsdf bsdf(v.at);
     float weight = 1;
-    if (v.at.opacity < 1) {
-        // One of both ways, so that what is behind is seen as often as it shines through.
-        const Rgb through = bsdf.through(v.out);
-        const float chance = v.at.presence ? through.x : std::min(1.0f, maxComponent(through));
-        if (sampler.next1d() < chance) {
-            path.throughput *= through / chance;
-            path.ray.tNear = hit.t * (1 + 1e-6f) + scene_.shadowOffset;
-            step.covers = false;
-            return step;
-        }
-        // What is there by chance counts as it is; a clear surface reflects wholly wherever it is.
-        if (!v.at.presence) {
-            weight /= 1 - chance;
-            path.throughput *= weight;
-        }
+    if (goesThrough(v, bsdf, path.throughput, weight, sampler)) {
+        path.ray.tNear = hit.t * (1 + 1e-6f) + scene_.shadowOffset;
+        step.covers = false;
+        return step;
     }
+    path.throughput *= weight;
 
     const bool onward = path.bounces < scene_.maxDepth && scene_.surfacesBounce, glossy = !v.at.isLambert();
     // Where a ray may meet a light that samples find: one near or large is found badly by samples, a small one by rays.
@@ -184,6 +193,54 @@ float PlainShader::besideBounced(const LightSample& light, const Vec3f& normal, 
     return own / (own + mixedHemisphereDensity(dot(normal, light.towards)));
 }
 
+PlainShader::Sight PlainShader::look(Ray ray, PixelSampler& sampler, float density, int lightSamples) {
+    Sight sight;
+    Rgb throughput(1.0f);
+    int passed = 0;
+    for (int bounce = 0; bounce < scene_.maxDepth; ++bounce) {
+        if (!rays_.intersect(ray, sight.hit)) {
+            // Where it left the last surface samples of lights have found the domes.
+            sight.radiance += bounce == 0 && scene_.keepsDomes
+                                  ? throughput * scene_.lights.smoothBackground(ray.direction)
+                                  : Rgb(0.0f);
+            return sight;
+        }
+        const PreparedInstance& instance = rays_.instance(sight.hit.instance);
+        if (instance.mesh->shell) {
+            const Vec3f local(instance.worldToObject.vector(Vec3d(ray.direction)));
+            if (dot(local, sight.hit.geometricNormal) < 0) { // its inside has no light of its own
+                sight.weight = throughput;
+            }
+            return sight;
+        }
+        const Vertex v = vertexAt(instance, surfelAt(instance, ray, sight.hit), sight.hit, ray.direction, kWideSpread);
+        const PreviewBsdf bsdf(v.at);
+        float weight = 1;
+        if (goesThrough(v, bsdf, throughput, weight, sampler)) {
+            ray.tNear = sight.hit.t * (1 + 1e-6f) + scene_.shadowOffset;
+            bounce += ++passed > kMostClear ? scene_.maxDepth : -1;
+            continue;
+        }
+        throughput *= weight;
+        const float sampled =
+            scene_.lights.emitterDensity(instance.index, sight.hit.t, dot(v.geometric, ray.direction));
+        const float own = bounce == 0 ? density : 0.0f;
+        const float share = sampled > 0 ? own / (own + float(lightSamples) * sampled) : 1.0f;
+        sight.radiance += throughput * (v.at.emission * share + direct(v, bsdf, 1, false, sampler));
+        const PreviewBsdf::Sample s = bsdf.sample(v.out, v.at.isLambert() ? 0.0f : sampler.next1d(), sampler.next2d());
+        throughput *= s.weight;
+        const float chance = std::min(1.0f, maxComponent(throughput));
+        ray = Ray();
+        ray.origin = v.origin;
+        ray.direction = v.toWorld(s.in);
+        if (!(dot(ray.direction, v.geometric) > 0) || !(sampler.next1d() < chance)) {
+            return sight;
+        }
+        throughput /= chance;
+    }
+    return sight;
+}
+
 LightSample PlainShader::bounced(const Vec3f& origin, const Vec3f& normal, int lightSamples, PixelSampler& sampler) {
     LightSample light;
     Vec3f x, y;
@@ -192,22 +249,15 @@ LightSample PlainShader::bounced(const Vec3f& origin, const Vec3f& normal, int l
     Ray ray;
     ray.origin = origin;
     ray.direction = normalize(x * d.x + y * d.y + normal * d.z);
-    RayHit hit;
-    if (!rays_.intersect(ray, hit)) {
-        return light;
-    }
-    const PreparedInstance& instance = rays_.instance(hit.instance);
-    if (instance.mesh->shell) {
-        return light;
-    }
-    const Vertex v = vertexAt(instance, surfelAt(instance, ray, hit), hit, ray.direction, kWideSpread);
     light.towards = ray.direction;
     light.density = mixedHemisphereDensity(d.z);
-    const float shown = v.at.opacity < 1 && v.at.presence ? v.at.opacity : 1.0f;
-    // A mesh that is a light is among those of the shell: its share by the balance heuristic.
-    const float sampled = scene_.lights.emitterDensity(instance.index, hit.t, dot(v.geometric, ray.direction));
-    const Rgb emission = v.at.emission * (light.density / (light.density + float(lightSamples) * sampled));
-    light.irradiance = (emission + direct(v, PreviewBsdf(v.at), 1, false, sampler)) * (shown / light.density);
+    const Sight sight = look(ray, sampler, light.density, lightSamples);
+    Rgb radiance = sight.radiance;
+    if (maxComponent(sight.weight) > 0) {
+        const RayHit& at = sight.hit;
+        radiance += sight.weight * exitantAt(scene_.instances[at.instance], at.triangle, at.u, at.v);
+    }
+    light.irradiance = radiance / light.density;
     return light;
 }
 

@@ -23,10 +23,21 @@ public:
     Step shade(LightPath& path, const PreparedInstance& instance, const Surfel& surfel, const RayHit& hit,
                PixelSampler& sampler);
 
-    /// Light that other plain surfaces send to a point (world) of a shell: one direction by the cosine to its normal,
-    /// and what one bounce brings from there, as perpendicular irradiance over the density. Zero where nothing or a
-    /// shell is met there. `lightSamples`: how many samples the point takes of a light with an area besides, each with
-    /// the share that `besideBounced` gives.
+    /// What comes along a ray by way of plain surfaces.
+    struct Sight {
+        Rgb radiance{0.0f}; ///< their emission and the light that they get directly, after up to maxDepth bounces
+        Rgb weight{0.0f};   ///< of light that leaves a shell, where the path ends at the front of one, at `hit`
+        RayHit hit;
+    };
+    /// Emission of meshes that samples of lights find as well is left to these, but for what the ray itself meets,
+    /// where `density`, of the ray per solid angle, says how many such rays there are for each of `lightSamples`
+    /// samples (balance heuristic).
+    Sight look(Ray ray, PixelSampler& sampler, float density = 0, int lightSamples = 1);
+
+    /// Light that other surfaces send to a point (world) of a shell: one direction by the cosine to its normal, and
+    /// what comes from there, as perpendicular irradiance over the density; of shells the radiance that is kept for
+    /// them. `lightSamples`: how many samples the point takes of a light with an area besides, each with the share
+    /// that `besideBounced` gives.
     LightSample bounced(const Vec3f& origin, const Vec3f& normal, int lightSamples, PixelSampler& sampler);
     static float besideBounced(const LightSample& light, const Vec3f& normal, int lightSamples);
 
@@ -53,6 +64,10 @@ private:
     float emissionShare(const LightPath& path, const PreparedInstance& instance, const RayHit& hit) const;
     Vertex vertexAt(const PreparedInstance& instance, const Surfel& surfel, const RayHit& hit, const Vec3f& direction,
                     float spread) const;
+    /// Whether a path goes straight on at a surface that is not opaque: its throughput is that behind then. Else what
+    /// the surface sends counts by `weight`.
+    static bool goesThrough(const Vertex& vertex, const PreviewBsdf& bsdf, Rgb& throughput, float& weight,
+                            PixelSampler& sampler);
     Rgb direct(const Vertex& vertex, const PreviewBsdf& bsdf, int domeDirections, bool shared, PixelSampler& sampler);
 
     const PreparedScene& scene_;

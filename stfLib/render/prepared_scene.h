@@ -2,6 +2,7 @@
 #pragma once
 
 #include "stfLib/base/motion.h"
+#include "stfLib/render/indirect_light.h"
 #include "stfLib/render/light_set.h"
 #include "stfLib/render/plain_material.h"
 #include "stfLib/render/shell_object.h"
@@ -29,6 +30,8 @@ struct PreparedInstance {
     Box3f bounds;            ///< world
     bool overlapped = false; ///< another instance's bounds overlap: its surfaces may lie inside this shell
     std::vector<Rgb> core;   ///< radiance leaving the core, per sample of the shell's grid; empty for a black one
+    std::vector<IndirectLight> indirect; ///< on a shell, per point of its surface, relative; empty: none
+    std::vector<Rgb> exitant; ///< radiance leaving a shell, mean by the cosine, per point; empty: no shell sees it
 
     /// A normal of object space in the world, unit: what a map does to normals is the transpose of its inverse.
     Vec3f worldNormal(const Vec3f& n) const { return normalize(Vec3f(worldToObject.transposed(Vec3d(n)))); }
@@ -54,6 +57,9 @@ struct PreparedScene {
     bool clearSurfaces = false;              ///< some surface is not opaque: shadow rays have to look at what they meet
     bool clearShells = false;                ///< some shell does not bend rays: light goes straight through it
     bool surfacesBounce = false;             ///< some plain surface sends light on
+    bool shellsSeeOthers = false;            ///< some surface sends light to shells
+    bool keepsDomes = false;                 ///< in `indirect` of instances there is the light of smooth domes, too
+    bool irradianceCache = true;             ///< shells read that light where it is kept; else paths look for it
     int maxDepth = 0;                        ///< bounces off plain surfaces along a path
     bool regularize = true;                  ///< light_path.h
     float indirectClamp = 0; ///< most of light that a bounced path brings, its largest channel; 0: no limit

@@ -3,10 +3,10 @@
 
 #include "stfLib/base/parallel.h"
 #include "stfLib/render/adaptive_sampling.h"
-#include "stfLib/render/core_light.h"
 #include "stfLib/render/denoiser.h"
 #include "stfLib/render/instance_bounds.h"
 #include "stfLib/render/integrator.h"
+#include "stfLib/render/light_balance.h"
 #include "stfLib/render/pixel_filter.h"
 #include "stfLib/render/shell_builder.h"
 #include "stfLib/transport/precompute.h"
@@ -90,6 +90,7 @@ struct Renderer::Impl {
     std::shared_ptr<const PlainMaterial> materialOf(const SceneMesh& mesh, const Scene& source);
     bool traces() const { return settings.integrator != kTables; }
     LightSet lightsOf(const Scene& source);
+    void balanceLight(Progress& progress);
     void sampleBlock(Integrator& integrator, PathTracer* traced, int x0, int y0, std::uint32_t pass,
                      const RayCone& cone, bool motion);
     void restartSampling() {
@@ -109,7 +110,7 @@ struct Renderer::Impl {
     PathTracerProvider reference;
     PathTracerMaker tracer; ///< of the prepared scene, where it is path traced
     ShellBuilder builder;
-    ShellCores cores;
+    LightBalance balance;
     std::map<std::string, Kept> kept;
     TextureStore textures;
     std::map<std::string, std::shared_ptr<const PlainMaterial>> materials; // of what is drawn
@@ -438,17 +439,12 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
     Impl& s = *impl_;
     setThreadCount(s.settings.threads);
     s.prepareStart = Clock::now();
-    // Whether surfaces give light back at all, cores have to know.
-    const bool coresStay =
-        !s.scene || !s.scene->surfacesBounce || (s.settings.maxDepth > 0) == (s.preparedSettings.maxDepth > 0);
-    if (s.scene && coresStay && source.version() == s.preparedVersion &&
+    // Light between surfaces, shells and cores depends on the number of bounces.
+    if (s.scene && s.settings.maxDepth == s.preparedSettings.maxDepth &&
+        s.settings.irradianceCache == s.preparedSettings.irradianceCache && source.version() == s.preparedVersion &&
         s.settings.quality == s.preparedSettings.quality && s.settings.transport == s.preparedSettings.transport &&
         s.settings.integrator == s.preparedSettings.integrator && s.settings.seed == s.preparedSettings.seed &&
         (!s.hasMotion || s.camera.optics().shutter == s.preparedShutter)) {
-        if (s.settings.maxDepth != s.preparedSettings.maxDepth) {
-            s.preparedSettings.maxDepth = s.settings.maxDepth;
-            s.planSurfaces(); // all that it changes of what is prepared
-        }
         s.planCamera(source);
         return;
     }
@@ -499,30 +495,9 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
         s.say(Severity::Warning, "the scene has no light that hdStf knows: what is drawn is black");
     }
 
-    // The core depends on lights and on whatever throws shadows: any edit of those solves it again, the camera does
-    // not.
-    const auto coreStart = Clock::now();
-    const bool bounces = s.scene->surfacesBounce && s.settings.maxDepth > 0;
-    int solved = 0;
-    std::string summary;
-    for (PreparedInstance& i : s.scene->instances) {
-        const ShellObject* shell = i.mesh->shell.get();
-        if (shell && !s.traces() && !shell->coreBlack && (s.scene->lights.count() > 0 || emits(i) || bounces)) {
-            ++solved;
-            const std::shared_ptr<const ShellCore> core = s.cores.prepare(*shell, s.settings.seed, progress);
-            i.core = shell->grid->spreadCoreRadiance(
-                coreRadiance(*core, *shell, i.objectToWorld, *s.scene, bounces, s.settings.seed, progress));
-            summary = summary.empty() ? core->summary : summary;
-        }
-    }
-    s.cores.dropUnused();
-    s.stats.coreSeconds += since(coreStart);
-    s.scenePlan.push_back(
-        {"scene", "core", solved > 0,
-         solved ? "solved for lights and geometry, instances: " + std::to_string(solved) + ", the first: " + summary
-         : s.traces() ? "path traced"
-                      : "no lit shell with a core that scatters",
-         since(coreStart)});
+    // Cores, and light between shells and other surfaces, depend on lights and on whatever throws shadows: any edit of
+    // those solves them again, the camera does not.
+    s.balanceLight(progress);
     // What is held now, not what was ever made: edits replace tables and grids.
     s.stats.tableBytes = s.stats.shellBytes = 0;
     std::set<const StfTable*> tables;
@@ -542,6 +517,35 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
     }
     s.preparedSettings = s.settings;
     s.preparedVersion = source.version();
+}
+
+void Renderer::Impl::balanceLight(Progress& progress) {
+    if (traces()) {
+        scenePlan.push_back({"scene", "core", false, "path traced", 0});
+        scenePlan.push_back({"scene", "indirect", false, "path traced", 0});
+        return;
+    }
+    scene->maxDepth = settings.maxDepth;
+    scene->irradianceCache = settings.irradianceCache;
+    const LightBalance::Report r = balance.solve(*scene, settings.maxDepth > 0, settings.seed, progress);
+    stats.coreSeconds += r.coreSeconds;
+    stats.indirectSeconds += r.indirectSeconds;
+    scenePlan.push_back({"scene", "core", r.cores > 0,
+                         r.cores > 0 ? "solved for lights and geometry, instances: " + std::to_string(r.cores) +
+                                           ", the first: " + r.core
+                                     : "no lit shell with a core that scatters",
+                         r.coreSeconds});
+    std::ostringstream text;
+    if (r.gathers > 0) {
+        text << r.samples << " samples of shells looked around by " << r.raysPerSample << " rays each, "
+             << 100 * r.shellShare << " % of which met shells; rounds of light between shells: " << r.rounds;
+        if (r.rounds > 0) {
+            text << ", the last changed " << 100 * r.lastChange << " %";
+        }
+    } else {
+        text << (settings.maxDepth > 0 ? "no lit shell" : "stf:maxDepth is 0");
+    }
+    scenePlan.push_back({"scene", "indirect", r.gathers > 0, text.str(), r.indirectSeconds});
 }
 
 // The lights of the scene; where paths are refracted on their way to them they need an extent that can be met.
@@ -641,7 +645,6 @@ bool Renderer::renderPass(Progress& progress) {
     setThreadCount(s.settings.threads);
     s.scene->clearColor = s.clearColor * float(std::exp2(-s.camera.optics().exposure));
     s.scene->clearAlpha = s.clearAlpha;
-    s.scene->maxDepth = s.settings.maxDepth;
     s.scene->indirectClamp = s.settings.indirectClamp;
     s.scene->regularize = s.settings.regularize && !s.traces();
     Box3f start; // of camera rays, twice as wide as the picture

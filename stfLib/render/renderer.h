@@ -34,13 +34,15 @@ struct RenderSettings {
     float pixelFilterWidth = 0;                 ///< of its support, pixels; 0: the filter's own
     bool depthOfField = true;                   ///< the camera's lens counts; else it is a pinhole
     std::string integrator = "stf";             ///< stf, or reference: path traced, without tables
-    bool motionBlur = true;                     ///< what moves while the shutter is open is blurred
+    /// Shells read light of other surfaces where it is kept for samples of theirs; else paths look for it.
+    bool irradianceCache = true;
+    bool motionBlur = true; ///< what moves while the shutter is open is blurred
     bool operator==(const RenderSettings& s) const {
         return samples == s.samples && seed == s.seed && errorTarget == s.errorTarget && threads == s.threads &&
                quality == s.quality && transport == s.transport && maxDepth == s.maxDepth &&
                indirectClamp == s.indirectClamp && regularize == s.regularize && pixelFilter == s.pixelFilter &&
                pixelFilterWidth == s.pixelFilterWidth && depthOfField == s.depthOfField && integrator == s.integrator &&
-               motionBlur == s.motionBlur;
+               motionBlur == s.motionBlur && irradianceCache == s.irradianceCache;
     }
 };
 
@@ -56,7 +58,8 @@ struct PlanEntry {
 struct RenderStats {
     /// Stages run so far: surfaces refined, samples laid out by synthesis, shell grids filled, poses taken.
     int refinements = 0, syntheses = 0, grids = 0, poses = 0;
-    double precomputeSeconds = 0, synthesisSeconds = 0, shellSeconds = 0, coreSeconds = 0, loadSeconds = 0;
+    double precomputeSeconds = 0, synthesisSeconds = 0, shellSeconds = 0, coreSeconds = 0, indirectSeconds = 0,
+           loadSeconds = 0;
     double firstPixelSeconds = 0; ///< from the start of prepare to the end of the first pass
     double renderSeconds = 0;
     std::size_t tableBytes = 0, shellBytes = 0;

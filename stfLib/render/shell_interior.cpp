@@ -48,18 +48,11 @@ Integrator::Interior Integrator::crossInterior(const PreparedInstance& instance,
         return out;
     }
     out.inside = true;
-    RayHit above;
+    RayHit above = hitAt(instance, {at.triangle, at.b1, at.b2});
     above.t = ray.tNear;
-    above.triangle = at.triangle;
-    above.u = at.b1;
-    above.v = at.b2;
-    const Vec3i& corners = shell.surface->triangles[at.triangle];
-    const std::vector<Vec3f>& points = shell.surface->points;
-    const Vec3f& a = points[std::size_t(corners.x)];
-    above.geometricNormal = cross(points[std::size_t(corners.y)] - a, points[std::size_t(corners.z)] - a);
     const Surfel surfel = surfelAt(instance, ray, above);
     const float footprint = (cone.at(path.travelled + ray.tNear) + path.spread * ray.tNear) * scale * shell.mmPerUnit;
-    const bool indirect = scene_.surfacesBounce && path.bounces < scene_.maxDepth;
+    const bool indirect = path.bounces < scene_.maxDepth;
     ShellLight lights[kMaxShellLights];
     const int count = lightsOnShell(instance, surfel, indirect, sampler, lights);
     rays_.add(1);

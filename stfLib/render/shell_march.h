@@ -31,7 +31,7 @@ public:
 
     /// `entry` lies on the surface, `direction` is unit and goes inward, refracted where the shell refracts; both
     /// object space; `triangle` is the surface's there. Distances count from the entry, so that a far camera costs no
-    /// precision. At most 16 lights count. `footprintMm`: width of what the pixel sees at the entry; the coarsest level
+    /// precision. At most TileLights::kMost lights count. `footprintMm`: width of what the pixel sees at the entry; the coarsest level
     /// of the grid that shows it is read.
     ShellRadiance march(const Vec3f& entry, std::uint32_t triangle, const Vec3f& direction, float footprintMm,
                         const ShellLight* lights, int lightCount, PixelSampler& sampler, const ShellSpan& span = {});

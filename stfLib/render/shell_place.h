@@ -28,7 +28,7 @@ private:
 /// The lights of a camera path, turned into the frame of one place after the other.
 class TileLights {
 public:
-    static constexpr int kMost = 16;
+    static constexpr int kMost = 18;
     TileLights(const ShellLight* lights, int count);
     /// Sets the frame of a march: of a lookup, for a ray that goes along `direction` (unit, object space).
     void setFrame(const ShellLookup& at, const Vec3f& direction, TileMarch& tile);

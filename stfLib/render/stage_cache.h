@@ -1,11 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "stfLib/volume/base_volume.h"
+
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace stf {
+
+/// Part of a key: of the bytes of plain values.
+template<class T>
+std::string hashOf(const std::vector<T>& values) {
+    return contentHashOf({reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)});
+}
 
 /// Results of one stage by a key that names all they were made from. Whoever holds a result keeps it here; others go
 /// with `dropUnused`. One thread at a time.

@@ -11,6 +11,25 @@ const Rgb kDefaultColor(0.5f);
 
 } // namespace
 
+RayHit hitAt(const PreparedInstance& instance, const TrianglePlace& place) {
+    const RefinedSurface& s = *instance.mesh->surface;
+    const Vec3i& t = s.triangles[place.triangle];
+    const Vec3f& a = s.points[std::size_t(t.x)];
+    RayHit hit;
+    hit.geometricNormal = cross(s.points[std::size_t(t.y)] - a, s.points[std::size_t(t.z)] - a);
+    hit.u = place.b1;
+    hit.v = place.b2;
+    hit.instance = instance.index;
+    hit.triangle = place.triangle;
+    return hit;
+}
+
+Rgb exitantAt(const PreparedInstance& instance, std::uint32_t triangle, float u, float v) {
+    return instance.exitant.empty()
+               ? Rgb(0.0f)
+               : betweenCorners(instance.exitant, instance.mesh->surface->triangles[triangle], u, v);
+}
+
 Vec2f uvAt(const RefinedSurface& s, const RayHit& hit) {
     return s.uvTriangles.empty() ? Vec2f() : betweenCorners(s.uvs, s.uvTriangles[hit.triangle], hit.u, hit.v);
 }
@@ -43,6 +62,8 @@ Surfel surfelAt(const PreparedInstance& instance, const Ray& ray, const RayHit& 
     }
     Surfel out;
     out.triangle = hit.triangle;
+    out.u = hit.u;
+    out.v = hit.v;
     out.point = ray.origin + ray.direction * hit.t;
     out.normal = instance.worldNormal(smoothNormal(s, hit));
     out.objectPoint = p;

@@ -43,11 +43,15 @@ Json frameJson(const FrameStats& frame, const Json& messages) {
     json["width"] = frame.width;
     json["height"] = frame.height;
     json["samples"] = int(number(stats, "numCompletedSamples"));
-    json["seconds"] = {
-        {"load", number(stats, "stf:loadSeconds")},           {"precompute", number(stats, "stf:precomputeSeconds")},
-        {"synthesis", number(stats, "stf:synthesisSeconds")}, {"shell", number(stats, "stf:shellSeconds")},
-        {"core", number(stats, "stf:coreSeconds")},           {"firstPixel", number(stats, "stf:firstPixelSeconds")},
-        {"render", number(stats, "stf:renderSeconds")},       {"total", frame.seconds}};
+    json["seconds"] = {{"load", number(stats, "stf:loadSeconds")},
+                       {"precompute", number(stats, "stf:precomputeSeconds")},
+                       {"synthesis", number(stats, "stf:synthesisSeconds")},
+                       {"shell", number(stats, "stf:shellSeconds")},
+                       {"core", number(stats, "stf:coreSeconds")},
+                       {"indirect", number(stats, "stf:indirectSeconds")},
+                       {"firstPixel", number(stats, "stf:firstPixelSeconds")},
+                       {"render", number(stats, "stf:renderSeconds")},
+                       {"total", frame.seconds}};
     json["made"] = {{"syntheses", int(number(stats, "stf:syntheses"))},
                     {"grids", int(number(stats, "stf:grids"))},
                     {"poses", int(number(stats, "stf:poses"))}};
