@@ -77,7 +77,7 @@ HdResourceRegistrySharedPtr HdStfRenderDelegate::GetResourceRegistry() const {
 }
 
 HdRenderSettingDescriptorList HdStfRenderDelegate::GetRenderSettingDescriptors() const {
-    return _settingDescriptors;
+    return HdStfPanelDescriptors(_settingDescriptors);
 }
 
 void HdStfRenderDelegate::SetRenderSetting(TfToken const& key, VtValue const& value) {

@@ -129,6 +129,19 @@ HdRenderSettingDescriptorList HdStfMakeSettingDescriptors() {
     return list;
 }
 
+HdRenderSettingDescriptorList HdStfPanelDescriptors(HdRenderSettingDescriptorList const& descriptors) {
+    HdRenderSettingDescriptorList shown;
+    for (HdRenderSettingDescriptor descriptor : descriptors) {
+        if (descriptor.defaultValue.IsHolding<double>()) {
+            descriptor.defaultValue = VtValue::Cast<float>(descriptor.defaultValue);
+        }
+        if (!descriptor.defaultValue.IsHolding<GfVec4f>()) {
+            shown.push_back(descriptor);
+        }
+    }
+    return shown;
+}
+
 VtValue HdStfNormalizeSetting(HdRenderSettingDescriptorList const& descriptors, TfToken const& key,
                               VtValue const& value) {
     for (HdRenderSettingDescriptor const& descriptor : descriptors) {

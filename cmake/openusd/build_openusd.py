@@ -7,6 +7,9 @@ drops what a headless Hydra host does not use, compiles the rest in unity batche
 installs it into ``<cache>/openusd-20.08-<key>``; the key covers the recipe and the compiler. The cache folder is
 ``$HDSTF_CACHE_DIR``, else ``$XDG_CACHE_HOME/hdstf``, else ``~/.cache/hdstf``.
 
+With ``--usdview`` it builds the same release once more, with the Python modules, GL, ``usdview`` and ``usdrecord``
+(``unity_usdview.cmake``), into ``<cache>/openusd-20.08-usdview-<key>``.
+
 The last line of output is the prefix. A run that was killed goes on where it stopped, runs at the same time wait for
 each other, and a run that finds the finished prefix returns at once. Python 3.7 or later, standard library only.
 """
@@ -82,6 +85,61 @@ RECIPE = {
     },
 }
 
+# The same release with usdview: what differs from RECIPE. "drop" replaces, the others add.
+USDVIEW = {
+    "drop": {
+        "CMakeLists.txt": ["add_subdirectory(extras)"],
+        "pxr/usd/CMakeLists.txt": ["usdMedia", "usdRi", "usdSkel", "usdUI", "plugin"],
+        "pxr/usdImaging/CMakeLists.txt": ["usdRiImaging", "usdSkelImaging"],
+        # Not in the crate: the texture of Storm's own dome light, and Python files of tests.
+        "pxr/imaging/hdx/CMakeLists.txt": ["textures/StinsonBeach.exr"],
+        "pxr/base/tf/CMakeLists.txt": ["testenv/__init__.py"] + [
+            f"testenv/testTfScriptModuleLoader_{name}.py"
+            for name in ("AAA_RaisesError", "DepLoadsAll", "LoadsAll", "LoadsUnknown", "Other", "Test", "Unknown")],
+    },
+    "replace": [
+        # Today's pyside2-uic is Qt's own uic.
+        ("cmake/macros/Private.cmake", "ARGS -o ${outFilePath}", "ARGS -g python -o ${outFilePath}"),
+        # Frames are opaque from Python 3.11 on; the function is there from 3.9 on.
+        ("pxr/base/tf/pyTracing.cpp", "frame->f_code->co_name", "PyFrame_GetCode(frame)->co_name"),
+        ("pxr/base/tf/pyTracing.cpp", "frame->f_code->co_filename", "PyFrame_GetCode(frame)->co_filename"),
+        ("pxr/base/tf/pyTracing.cpp", "frame->f_code->co_firstlineno", "PyFrame_GetCode(frame)->co_firstlineno"),
+        # Mesa's compiler holds shaders of this version without the word to the core profile, which has no gl_FragColor.
+        *((f"pxr/imaging/hdx/shaders/{file}.glslfx", f"-- glsl {shader}\n{line}#version 450",
+           f"-- glsl {shader}\n{line}#version 450 compatibility")
+          for file, shader, line in (("fullscreen", "Composite.FragmentNoDepth", "\n"),
+                                     ("fullscreen", "Composite.FragmentWithDepth", "\n"),
+                                     ("outline", "Outline.Fragment", ""))),
+        # That texture is not in the crate; without it Storm's own dome light is plain.
+        ("pxr/imaging/hdx/package.cpp", 'TF_VERIFY(!path.empty(), "Could not find texture: %s\\n", texture);', ""),
+        # Nor are usdview's icons.
+        ("pxr/usdImaging/usdviewq/CMakeLists.txt",
+         "install(DIRECTORY\n    icons\n    DESTINATION lib/python/pxr/Usdviewq\n)", ""),
+    ],
+    "options": {
+        "CMAKE_CXX_FLAGS_RELEASE": "-O1 -DNDEBUG",
+        # unity_usdview.cmake adds what RECIPE includes here.
+        "CMAKE_CXX_FLAGS": "-w -DTBB_SUPPRESS_DEPRECATED_MESSAGES=1",
+        "PXR_ENABLE_PYTHON_SUPPORT": "ON",
+        "PXR_USE_PYTHON_3": "ON",
+        "PXR_ENABLE_GL_SUPPORT": "ON",
+        "PXR_BUILD_USDVIEW": "ON",
+    },
+}
+
+# For each of a Python's modules that usdview imports, and each header, the Debian package that has it.
+USDVIEW_MODULES = {
+    "PySide2.QtOpenGL": "python3-pyside2.qtopengl",
+    "PySide2.QtWidgets": "python3-pyside2.qtwidgets",
+    "OpenGL.GL": "python3-opengl",
+}
+USDVIEW_HEADERS = {
+    "boost/python.hpp": "libboost-python-dev",
+    "GL/glew.h": "libglew-dev",
+    "GL/gl.h": "libgl-dev",
+    "X11/Xlib.h": "libx11-dev",
+}
+
 MARKER = "hdstf-complete.json"
 
 # How long a batch of a library takes, roughly, in units of the small ones: only for the time that is left.
@@ -147,12 +205,77 @@ def find_compiler(wanted):
     raise BuildError(f"no C++ compiler{' ' + wanted if wanted else ''} found: install the Debian package build-essential")
 
 
-def prefix_for(compiler_version):
-    """Where the build belongs; the name covers all that decides its content."""
-    tuning = "".join(line for line in (HERE / "unity.cmake").read_text().splitlines(True)
-                     if not line.lstrip().startswith("#"))
-    key = hashlib.sha256(json.dumps([RECIPE, tuning, compiler_version], sort_keys=True).encode()).hexdigest()[:12]
-    return cache_folder() / f"openusd-{RECIPE['version']}-{key}"
+class Flavour:
+    """One of the two builds: what it is made of, and where it belongs."""
+
+    def __init__(self, compiler_version):
+        self.recipe, self.tuning, self.python = RECIPE, ["unity.cmake"], None
+        self.prefix = self._prefix("", compiler_version)
+
+    def _prefix(self, name, *more):
+        """The cache folder whose name covers all that decides its content."""
+        tuning = "".join(line for file in self.tuning for line in (HERE / file).read_text().splitlines(True)
+                         if not line.lstrip().startswith("#"))
+        key = hashlib.sha256(json.dumps([self.recipe, tuning, *more], sort_keys=True).encode()).hexdigest()[:12]
+        return cache_folder() / f"openusd-{RECIPE['version']}-{name}{key}"
+
+    def check_prerequisites(self):
+        """Fail early, with the package's name, on anything the build would miss after minutes."""
+        check_prerequisites({"boost/version.hpp": "libboost-dev", "opensubdiv/version.h": "libosd-dev"})
+
+    def options(self):
+        """Options for CMake that depend on this machine."""
+        return {}
+
+    def check(self, prefix, log):
+        """What the check of the installed libraries does not cover."""
+
+
+class UsdviewFlavour(Flavour):
+    """With Python, GL, usdview and usdrecord."""
+
+    def __init__(self, compiler_version):
+        self.recipe = dict(RECIPE, drop=USDVIEW["drop"], replace=RECIPE["replace"] + USDVIEW["replace"],
+                           options=dict(RECIPE["options"], **USDVIEW["options"]))
+        self.tuning = ["unity.cmake", "unity_usdview.cmake"]
+        self.python, version = find_usdview_python()
+        self.prefix = self._prefix("usdview-", compiler_version, self.python, version)
+
+    def check_prerequisites(self):
+        check_prerequisites(dict(USDVIEW_HEADERS, **{"opensubdiv/version.h": "libosd-dev"}))
+        need_tool("uic", "qtbase5-dev-tools")
+        for module, package in USDVIEW_MODULES.items():
+            if output_of([self.python, "-c", f"import {module}"]) is None:
+                raise BuildError(f"{self.python} has no module {module}: install the Debian package {package}")
+        if not all(os.path.exists(path) for path in self._python_files()):
+            raise BuildError(f"{self.python} has no header files: install the Debian package python3-dev")
+
+    def _python_files(self):
+        """Include folder and library of this Python; CMake by itself might find those of another."""
+        code = ("import os, sysconfig as s; v = s.get_config_var; "
+                "print(s.get_path('include'), os.path.join(v('LIBDIR'), v('LDLIBRARY')), sep='\\n')")
+        return (output_of([self.python, "-c", code]) or "").splitlines()
+
+    def options(self):
+        include, library = self._python_files()
+        return {"PYTHON_EXECUTABLE": self.python, "PYTHON_INCLUDE_DIR": include, "PYTHON_LIBRARY": library,
+                "PYSIDEUICBINARY": need_tool("uic", "qtbase5-dev-tools")}
+
+    def check(self, prefix, log):
+        environment = dict(os.environ, PYTHONPATH=str(prefix / "lib" / "python"), QT_QPA_PLATFORM="offscreen")
+        run_logged([self.python, "-c", "from pxr import UsdAppUtils, UsdImagingGL, UsdLux, UsdVol, Usdviewq"], log,
+                   "importing usdview's modules", env=environment)
+
+
+def find_usdview_python():
+    """Path and version of a Python that Debian's PySide2 and boost.python are for."""
+    for name in ("/usr/bin/python3", "python3"):
+        path = shutil.which(name)
+        version = path and output_of([path, "-c", "import PySide2, sys; print(sys.version)"])
+        if version:
+            return path, version.strip()
+    raise BuildError("no Python with PySide2: install the Debian packages "
+                     + " ".join(sorted(set(USDVIEW_MODULES.values()))))
 
 
 def is_complete(prefix):
@@ -190,8 +313,8 @@ def need_pip():
     raise BuildError("Python has no pip: install the Debian package python3-pip")
 
 
-def check_prerequisites():
-    """Fail early, with the package's name, on anything the build would miss after minutes."""
+def check_prerequisites(headers):
+    """Fail early on missing tools and headers; headers maps each to its Debian package."""
     if not (sys.platform.startswith("linux") and os.uname().machine == "x86_64"):
         raise BuildError("this build is for Linux on x86_64 (there is no other wheel of the classic TBB): "
                          "build OpenUSD yourself and give its prefix as -DPXR_ROOT=<prefix>")
@@ -199,7 +322,7 @@ def check_prerequisites():
     need_tool("ninja", "ninja-build")
     need_cargo()
     need_pip()
-    for header, package in (("boost/version.hpp", "libboost-dev"), ("opensubdiv/version.h", "libosd-dev")):
+    for header, package in headers.items():
         if not any((Path(root) / header).is_file() for root in ("/usr/include", "/usr/local/include")):
             raise BuildError(f"{header} is missing: install the Debian package {package}")
 
@@ -275,19 +398,19 @@ def fetch_tbb(work, target, log):
         plain.symlink_to(f"{library}.so.2")
 
 
-def copy_source(source, target):
+def copy_source(source, target, recipe):
     """Copy the source and take out of it what is not built."""
     if target.exists():
         shutil.rmtree(target)
     shutil.copytree(source, target)
-    for name, lines in RECIPE["drop"].items():
+    for name, lines in recipe["drop"].items():
         path = target / name
         text = path.read_text().splitlines(True)
         kept = [line for line in text if line.strip() not in lines]
         if len(text) - len(kept) != len(lines):
             raise BuildError(f"{name} is not as expected: cannot drop {', '.join(lines)}")
         path.write_text("".join(kept))
-    for name, old, new in RECIPE["replace"]:
+    for name, old, new in recipe["replace"]:
         path = target / name
         text = path.read_text()
         if text.count(old) != 1:
@@ -378,12 +501,12 @@ def check(prefix, work, compiler, log):
     run_logged([folder / "check"], log, "running the check")
 
 
-def build(prefix, work, compiler, lock):
+def build(flavour, work, compiler, lock):
     """All steps from nothing to the installed prefix; each is skipped if an earlier run has finished it."""
-    log = work / "build.log"
+    log, prefix = work / "build.log", flavour.prefix
     source, folder, tbb = work / "src", work / "build", prefix / "tbb"
     started = time.monotonic()
-    check_prerequisites()
+    flavour.check_prerequisites()
     if prefix.exists() and not work.exists():
         shutil.rmtree(prefix)  # the rest of something else, or of a prefix that was moved
     work.mkdir(parents=True, exist_ok=True)
@@ -399,14 +522,16 @@ def build(prefix, work, compiler, lock):
     once("fetch classic TBB", lambda: fetch_tbb(work, tbb, log))
 
     def take_source():
-        copy_source(fetch_source(work, log), source)
+        copy_source(fetch_source(work, log), source, flavour.recipe)
 
     once("fetch source", take_source)
 
     def configure():
-        shutil.copyfile(HERE / "unity.cmake", work / "unity.cmake")
-        options = dict(RECIPE["options"], CMAKE_CXX_COMPILER=compiler, CMAKE_INSTALL_PREFIX=prefix, TBB_ROOT_DIR=tbb,
-                       CMAKE_PROJECT_usd_INCLUDE=work / "unity.cmake")
+        for name in flavour.tuning:
+            shutil.copyfile(HERE / name, work / name)
+        options = dict(flavour.recipe["options"], **flavour.options(), CMAKE_CXX_COMPILER=compiler,
+                       CMAKE_INSTALL_PREFIX=prefix, TBB_ROOT_DIR=tbb,
+                       CMAKE_PROJECT_usd_INCLUDE=work / flavour.tuning[-1])
         run_logged(["cmake", "-S", source, "-B", folder, "-G", "Ninja"] + [f"-D{k}={v}" for k, v in options.items()],
                    log, "configuring OpenUSD")
 
@@ -417,6 +542,7 @@ def build(prefix, work, compiler, lock):
         run_logged(["cmake", "--install", folder], log, "installing OpenUSD")
     with Step("check the installation"):
         check(prefix, work, compiler, log)
+        flavour.check(prefix, log)
     seconds = round(time.monotonic() - started, 1)
     partial = prefix / (MARKER + ".part")
     partial.write_text(json.dumps({"prefix": str(prefix), "seconds": seconds}) + "\n")
@@ -440,6 +566,7 @@ def main():
     """Parse the command line, build what is missing, print the prefix."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--cxx", help="C++ compiler (default: $CXX, c++)")
+    parser.add_argument("--usdview", action="store_true", help="with Python, GL, usdview and usdrecord")
     parser.add_argument("--query", action="store_true",
                         help="build nothing: print the prefix; exit code 0 if it is complete, 3 if not")
     args = parser.parse_args()
@@ -453,7 +580,8 @@ def main():
         os.environ.pop(name, None)
     try:
         compiler, version = find_compiler(args.cxx)
-        prefix = prefix_for(version)
+        flavour = (UsdviewFlavour if args.usdview else Flavour)(version)
+        prefix = flavour.prefix
         if args.query:
             print(prefix)
             return 0 if is_complete(prefix) else 3
@@ -462,7 +590,7 @@ def main():
             with take_lock(f"{prefix}.lock") as lock:
                 if not is_complete(prefix):
                     say(f"building OpenUSD {RECIPE['version']} with {version}, once, in {prefix}")
-                    build(prefix, Path(f"{prefix}.work"), compiler, lock)
+                    build(flavour, Path(f"{prefix}.work"), compiler, lock)
         print(prefix)
         return 0
     except BuildError as error:

@@ -3,6 +3,8 @@
 
 #include "test_host.h"
 
+#include "pxr/base/gf/vec4f.h"
+
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -65,6 +67,21 @@ TEST(Settings, SettingsAtCreationAreNormalized) {
     const HdStfRenderDelegate delegate(map);
     EXPECT_EQ(delegate.GetRenderSetting(TfToken("stf:samples")), VtValue(9));
     EXPECT_EQ(delegate.GetRenderSetting(TfToken("stf:seed")), VtValue(0));
+}
+
+TEST(Settings, PanelsAreOfferedTypesTheyHaveWidgetsFor) {
+    const HdStfRenderDelegate delegate;
+    const HdRenderSettingDescriptorList list = delegate.GetRenderSettingDescriptors();
+    EXPECT_EQ(list.size(), HdStfMakeSettingDescriptors().size() - 1); // dataWindowNDC is for hosts to set, not to show
+    for (HdRenderSettingDescriptor const& descriptor : list) {
+        VtValue const& value = descriptor.defaultValue;
+        EXPECT_TRUE(value.IsHolding<bool>() || value.IsHolding<int>() || value.IsHolding<float>() ||
+                    value.IsHolding<std::string>())
+            << descriptor.key << " is of type " << value.GetTypeName();
+        EXPECT_FALSE(delegate.GetRenderSetting(descriptor.key).IsEmpty()) << descriptor.key;
+    }
+    EXPECT_EQ(delegate.GetRenderSetting(TfToken("stageMetersPerUnit")), VtValue(0.01));
+    EXPECT_EQ(delegate.GetRenderSetting(TfToken("dataWindowNDC")), VtValue(GfVec4f(0, 0, 1, 1)));
 }
 
 TEST(Settings, EqualValuesRestartNothing) {

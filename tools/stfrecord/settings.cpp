@@ -94,14 +94,15 @@ std::string applySettings(HdRenderDelegate& delegate, const Options& options, do
         }
     }
     if (options.crop) {
-        const HdRenderSettingDescriptor* setting = findSetting(list, "dataWindowNDC");
+        // Not among the descriptors: panels have nothing to show it with. A delegate that has it has a value of it.
+        const TfToken key("dataWindowNDC");
         const auto& c = *options.crop;
-        if (!setting) {
+        if (delegate.GetRenderSetting(key).IsEmpty()) {
             return "this renderer has no setting dataWindowNDC: it cannot render a part of the frame";
         }
         const VtValue window(GfVec4f(c[0], c[1], c[2], c[3]));
-        delegate.SetRenderSetting(setting->key, window);
-        if (delegate.GetRenderSetting(setting->key) != window) {
+        delegate.SetRenderSetting(key, window);
+        if (delegate.GetRenderSetting(key) != window) {
             return "the renderer does not take that part of the frame (--crop)";
         }
     }
@@ -110,7 +111,9 @@ std::string applySettings(HdRenderDelegate& delegate, const Options& options, do
         if (!setting) {
             return "no render setting \"" + key + "\"; there are: " + settingNames(list);
         }
-        const VtValue value = parseAs(setting->defaultValue, text);
+        // In the type the delegate keeps it in, which may be wider than the one it shows.
+        const VtValue present = delegate.GetRenderSetting(setting->key);
+        const VtValue value = parseAs(present.IsEmpty() ? setting->defaultValue : present, text);
         if (value.IsEmpty()) {
             return "render setting " + key + ": \"" + text + "\" is not of type " + setting->defaultValue.GetTypeName();
         }
