@@ -167,7 +167,7 @@ TEST(CameraLens, DiscIsUniform) {
 // A shining half plane that moves on by 2: a pixel sees it for the share of the time that its edge has passed.
 TEST_F(Frame, BlurOfAnEdgeThatMoves) {
     const std::vector<TransformSample> way = {{-0.5, moved({-1, 0, 0})}, {0.5, moved({1, 0, 0})}};
-    addSquare("/edge", Vec3f(50.1f, 0, -8), {50, 0, 0}, {0, 50, 0}, Rgb(0.0f), Rgb(1.0f), way);
+    addSquare("/edge", Vec3f(50, 0, -8), {50, 0, 0}, {0, 50, 0}, Rgb(0.0f), Rgb(1.0f), way);
     CameraOptics optics;
     optics.shutter = {-0.5, 0.5};
     render(Camera(kIdentity, orthographic(0.5), optics), 24, 1);
@@ -183,7 +183,7 @@ TEST_F(Frame, BlurOfAnEdgeThatMoves) {
 
 // The same from a camera that moves, which sees the edge go the other way.
 TEST_F(Frame, BlurOfACameraThatMoves) {
-    addSquare("/edge", Vec3f(50.1f, 0, -8), {50, 0, 0}, {0, 50, 0}, Rgb(0.0f), Rgb(1.0f));
+    addSquare("/edge", Vec3f(50, 0, -8), {50, 0, 0}, {0, 50, 0}, Rgb(0.0f), Rgb(1.0f));
     CameraOptics optics;
     optics.shutter = {0, 1};
     optics.viewToWorld = {{0, moved({0, 0, 0})}, {1, moved({1, 0, 0})}};
@@ -344,7 +344,7 @@ TEST_F(Frame, WindowsShowTheSamePixels) {
 
 TEST_F(Frame, ThePlanSaysWhatBlurs) {
     settings_.samples = 1;
-    addSquare("/edge", Vec3f(50.1f, 0, -8), {50, 0, 0}, {0, 50, 0}, Rgb(0.0f), Rgb(1.0f));
+    addSquare("/edge", Vec3f(50, 0, -8), {50, 0, 0}, {0, 50, 0}, Rgb(0.0f), Rgb(1.0f));
     const auto runs = [&](const std::string& stage) {
         const std::vector<PlanEntry> plan = renderer_.plan();
         const auto it = std::find_if(plan.begin(), plan.end(), [&](const PlanEntry& e) { return e.stage == stage; });
