@@ -73,6 +73,11 @@ public:
             bounces  ? "up to " + std::to_string(settings_.maxDepth) + " off surfaces without a shell"
             : plain_ ? "stf:maxDepth is 0"
                      : "no surface without a shell");
+        const bool looks = shells_ > 0 && settings_.maxDepth > 0;
+        add("scene", "indirect", looks,
+            looks     ? "shells look around for light of other surfaces"
+            : shells_ ? "stf:maxDepth is 0"
+                      : "no lit shell");
         const bool solves = cores_ > 0 && (lights.count() > 0 || emits_ || bounces);
         add("scene", "core", solves,
             solves ? "is solved for lights and geometry, instances: " + std::to_string(cores_)
@@ -107,6 +112,7 @@ private:
         transport(id, binding, volume);
         add(id, "synthesis", choice.mapping == Mapping::Synthesize || choice.mapping == Mapping::Blend, choice.why);
         add(id, "shell", true, "the grid of the shell is filled");
+        ++shells_;
     }
 
     MappingChoice mapping(const ControlMesh& mesh, int level, const StfBinding& binding, const BaseVolume& volume,
@@ -163,7 +169,7 @@ private:
     Progress& progress_;
     std::vector<ForecastEntry> plan_;
     std::set<std::string> made_;
-    int plain_ = 0, cores_ = 0;
+    int plain_ = 0, shells_ = 0, cores_ = 0;
     bool emits_ = false;
 };
 
