@@ -4,10 +4,7 @@
 # Warnings of the project's own code are errors; the headers of others are system headers.
 add_library(stf_options INTERFACE)
 target_compile_options(stf_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Werror)
-if(HDSTF_SANITIZE)
-    target_compile_options(stf_options INTERFACE -fsanitize=address,undefined -fno-omit-frame-pointer)
-    target_link_options(stf_options INTERFACE -fsanitize=address,undefined)
-endif()
+target_link_libraries(stf_options INTERFACE stf_sanitize)
 
 # The order in which layers stand on each other; a layer may use those before it only.
 set(STF_LAYER_ORDER base optics volume acquire transport surface synthesis shell core render reference cache)
