@@ -3,7 +3,10 @@
 set(HDSTF_SANITIZE "" CACHE STRING "Sanitizers: address, undefined, thread, or address,undefined")
 set_property(CACHE HDSTF_SANITIZE PROPERTY STRINGS "" address undefined thread address,undefined)
 
-string(REPLACE "," ";" _sanitizers "${HDSTF_SANITIZE}")
+set(_sanitizers)
+if(HDSTF_SANITIZE) # also OFF
+    string(REPLACE "," ";" _sanitizers "${HDSTF_SANITIZE}")
+endif()
 foreach(_sanitizer IN LISTS _sanitizers)
     if(NOT _sanitizer MATCHES "^(address|undefined|thread)$")
         message(FATAL_ERROR "HDSTF_SANITIZE: \"${_sanitizer}\" is none of address, undefined and thread")

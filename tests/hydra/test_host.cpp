@@ -6,6 +6,7 @@
 #include "pxr/imaging/hd/tokens.h"
 #include "pxr/usd/sdf/layer.h"
 
+#include <algorithm>
 #include <chrono>
 #include <thread>
 
@@ -26,26 +27,39 @@ public:
     std::map<SdfPath, HdRenderBufferDescriptor> descriptors;
 };
 
-TestHost::TestHost(const std::string& usda, const std::vector<std::string>& aovs, int width, int height)
-    : delegate(std::make_unique<HdStfRenderDelegate>()) {
+namespace {
+
+UsdStageRefPtr stageOf(const std::string& usda) {
     const SdfLayerRefPtr layer = SdfLayer::CreateAnonymous(".usda");
     TF_AXIOM(layer->ImportFromString(usda));
-    stage = UsdStage::Open(layer);
+    return UsdStage::Open(layer);
+}
+
+SdfPath bufferPath(const std::string& aov) {
+    return SdfPath("/__buffers/" + TfMakeValidIdentifier(aov));
+}
+
+} // namespace
+
+TestHost::TestHost(const std::string& usda, const std::vector<std::string>& aovs, int width, int height)
+    : TestHost(stageOf(usda)) {
+    setOutputs(aovs, width, height);
+    delegate->SetRenderSetting(TfToken("stf:samples"), VtValue(2));
+}
+
+TestHost::TestHost(const UsdStageRefPtr& stageToShow)
+    : stage(stageToShow), delegate(std::make_unique<HdStfRenderDelegate>()) {
     index_.reset(HdRenderIndex::New(delegate.get(), {}));
     buffers_ = std::make_unique<Buffers>(index_.get());
     scene_ = std::make_unique<UsdImagingDelegate>(index_.get(), SdfPath::AbsoluteRootPath());
     scene_->Populate(stage->GetPseudoRoot());
     scene_->SetCameraForSampling(SdfPath("/Camera"));
     scene_->SetTime(UsdTimeCode::EarliestTime());
-    setOutputs(aovs, width, height);
-    delegate->SetRenderSetting(TfToken("stf:samples"), VtValue(2));
 }
 
 TestHost::~TestHost() {
     task_.reset();
-    for (const auto& [id, descriptor] : buffers_->descriptors) {
-        index_->RemoveBprim(HdPrimTypeTokens->renderBuffer, id);
-    }
+    removeBuffers();
     scene_.reset();
     buffers_.reset();
     index_.reset();
@@ -60,28 +74,43 @@ const HdStfCamera& TestHost::camera() {
     return *static_cast<HdStfCamera*>(index_->GetSprim(HdPrimTypeTokens->camera, SdfPath("/Camera")));
 }
 
-void TestHost::setOutputs(const std::vector<std::string>& aovs, int width, int height, int frameWidth,
-                          int frameHeight) {
-    task_.reset();
+HdRenderPassAovBinding TestHost::insertBuffer(const std::string& aov, int width, int height) {
+    HdAovDescriptor descriptor = delegate->GetDefaultAovDescriptor(TfToken(aov));
+    if (descriptor.format == HdFormatInvalid) {
+        // What the delegate does not know, a careless host binds all the same.
+        descriptor = HdAovDescriptor(HdFormatFloat32Vec3, false, VtValue(GfVec3f(0.25f)));
+    }
+    HdRenderPassAovBinding binding;
+    binding.aovName = TfToken(aov);
+    binding.clearValue = descriptor.clearValue;
+    binding.renderBufferId = bufferPath(aov);
+    const HdRenderBufferDescriptor wanted = {GfVec3i(width, height, 1), descriptor.format, descriptor.multiSampled};
+    const bool isNew = buffers_->descriptors.count(binding.renderBufferId) == 0;
+    HdRenderBufferDescriptor& held = buffers_->descriptors[binding.renderBufferId];
+    if (isNew) {
+        held = wanted;
+        index_->InsertBprim(HdPrimTypeTokens->renderBuffer, buffers_.get(), binding.renderBufferId);
+    } else if (held != wanted) {
+        held = wanted;
+        index_->GetChangeTracker().MarkBprimDirty(binding.renderBufferId, HdRenderBuffer::DirtyDescription);
+    }
+    return binding;
+}
+
+void TestHost::removeBuffers() {
     for (const auto& [id, descriptor] : buffers_->descriptors) {
         index_->RemoveBprim(HdPrimTypeTokens->renderBuffer, id);
     }
     buffers_->descriptors.clear();
+}
+
+void TestHost::setOutputs(const std::vector<std::string>& aovs, int width, int height, int frameWidth,
+                          int frameHeight) {
+    task_.reset();
+    removeBuffers();
     HdRenderPassAovBindingVector bindings;
     for (const std::string& aov : aovs) {
-        HdAovDescriptor descriptor = delegate->GetDefaultAovDescriptor(TfToken(aov));
-        if (descriptor.format == HdFormatInvalid) {
-            // What the delegate does not know, a careless host binds all the same.
-            descriptor = HdAovDescriptor(HdFormatFloat32Vec3, false, VtValue(GfVec3f(0.25f)));
-        }
-        HdRenderPassAovBinding binding;
-        binding.aovName = TfToken(aov);
-        binding.clearValue = descriptor.clearValue;
-        binding.renderBufferId = SdfPath("/__buffers/" + TfMakeValidIdentifier(aov));
-        buffers_->descriptors[binding.renderBufferId] = {GfVec3i(width, height, 1), descriptor.format,
-                                                         descriptor.multiSampled};
-        index_->InsertBprim(HdPrimTypeTokens->renderBuffer, buffers_.get(), binding.renderBufferId);
-        bindings.push_back(binding);
+        bindings.push_back(insertBuffer(aov, width, height));
     }
     task_ =
         std::make_shared<stfrecord::RecordTask>(*index_, bindings, frameWidth, frameHeight,
@@ -89,8 +118,33 @@ void TestHost::setOutputs(const std::vector<std::string>& aovs, int width, int h
     task_->setCamera(SdfPath("/Camera"));
 }
 
+void TestHost::changeOutputs(const std::vector<std::string>& aovs, int width, int height, int frameWidth,
+                             int frameHeight) {
+    for (auto it = buffers_->descriptors.begin(); it != buffers_->descriptors.end();) {
+        const bool stays =
+            std::any_of(aovs.begin(), aovs.end(), [&](const std::string& aov) { return bufferPath(aov) == it->first; });
+        if (!stays) {
+            index_->RemoveBprim(HdPrimTypeTokens->renderBuffer, it->first);
+        }
+        it = stays ? std::next(it) : buffers_->descriptors.erase(it);
+    }
+    HdRenderPassAovBindingVector bindings;
+    for (const std::string& aov : aovs) {
+        bindings.push_back(insertBuffer(aov, width, height));
+    }
+    task_->setOutputs(bindings, frameWidth, frameHeight);
+}
+
+void TestHost::setCamera(const std::string& path) {
+    scene_->SetCameraForSampling(SdfPath(path));
+    task_->setCamera(SdfPath(path));
+}
+
 void TestHost::execute() {
     scene_->ApplyPendingUpdates();
+    if (beforeSync) {
+        beforeSync();
+    }
     HdTaskSharedPtrVector tasks = {task_};
     engine_.Execute(index_.get(), &tasks);
 }
@@ -115,8 +169,7 @@ bool TestHost::restarts() {
 }
 
 HdStfRenderBuffer* TestHost::buffer(const std::string& aov) {
-    return static_cast<HdStfRenderBuffer*>(
-        index_->GetBprim(HdPrimTypeTokens->renderBuffer, SdfPath("/__buffers/" + TfMakeValidIdentifier(aov))));
+    return static_cast<HdStfRenderBuffer*>(index_->GetBprim(HdPrimTypeTokens->renderBuffer, bufferPath(aov)));
 }
 
 std::vector<float> TestHost::floats(const std::string& aov) {

@@ -11,6 +11,7 @@
 #include "pxr/usd/usd/stage.h"
 #include "pxr/usdImaging/usdImaging/delegate.h"
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -22,6 +23,8 @@ public:
     /// `usda` is the text of a layer; it needs a camera at /Camera.
     explicit TestHost(const std::string& usda, const std::vector<std::string>& aovs = {"color"}, int width = 16,
                       int height = 12);
+    /// The same for a stage that is there, without outputs.
+    explicit TestHost(const PXR_NS::UsdStageRefPtr& stageToShow);
     ~TestHost();
 
     PXR_NS::UsdStageRefPtr stage;
@@ -31,7 +34,15 @@ public:
     void setOutputs(const std::vector<std::string>& aovs, int width, int height);
     /// The same for a frame of another size than that of the buffers.
     void setOutputs(const std::vector<std::string>& aovs, int width, int height, int frameWidth, int frameHeight);
+    /// The same for the same pass: buffers that stay are resized, others come and go.
+    void changeOutputs(const std::vector<std::string>& aovs, int width, int height, int frameWidth, int frameHeight);
     void setTime(double time) { scene_->SetTime(PXR_NS::UsdTimeCode(time)); }
+    void setCamera(const std::string& path);
+    void setRenderTags(const PXR_NS::TfTokenVector& tags) { task_->setRenderTags(tags); }
+    PXR_NS::UsdImagingDelegate& scene() { return *scene_; }
+    PXR_NS::HdRenderIndex& index() { return *index_; }
+    /// Called between the scene delegate's updates and Hydra's sync, if there is one.
+    std::function<void()> beforeSync;
     const PXR_NS::HdStfCamera& camera();
     /// Hands pending edits over and executes once.
     void execute();
@@ -49,6 +60,9 @@ public:
 
 private:
     class Buffers;
+    PXR_NS::HdRenderPassAovBinding insertBuffer(const std::string& aov, int width, int height);
+    void removeBuffers();
+
     std::unique_ptr<PXR_NS::HdRenderIndex> index_;
     std::unique_ptr<PXR_NS::UsdImagingDelegate> scene_;
     std::unique_ptr<Buffers> buffers_;

@@ -15,6 +15,13 @@ public:
                PXR_NS::TfTokenVector renderTags);
 
     void setCamera(const PXR_NS::SdfPath& camera) { camera_ = camera; }
+    /// Other buffers, and another size of the frame, for the same pass.
+    void setOutputs(PXR_NS::HdRenderPassAovBindingVector bindings, int width, int height) {
+        bindings_ = std::move(bindings);
+        width_ = width;
+        height_ = height;
+    }
+    void setRenderTags(PXR_NS::TfTokenVector renderTags) { renderTags_ = std::move(renderTags); }
     bool isConverged() const { return pass_->IsConverged(); }
     const PXR_NS::HdRenderPassAovBindingVector& bindings() const { return bindings_; }
 

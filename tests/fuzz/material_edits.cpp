@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "edit_tools.h"
+
+#include "pxr/usd/sdf/assetPath.h"
+#include "pxr/usd/usdShade/material.h"
+#include "pxr/usd/usdShade/materialBindingAPI.h"
+#include "pxr/usd/usdShade/shader.h"
+
+PXR_NAMESPACE_USING_DIRECTIVE
+
+namespace fuzz {
+
+namespace {
+
+std::string addMaterial(Session& s, Random& r) {
+    const SdfPath path = freePath(s, "/Looks", "Look", r);
+    if (path.IsEmpty() || !s.stage->GetPrimAtPath(SdfPath("/Looks"))) {
+        return {};
+    }
+    const UsdShadeMaterial material = UsdShadeMaterial::Define(s.stage, path);
+    UsdShadeShader surface = UsdShadeShader::Define(s.stage, path.AppendChild(TfToken("Surface")));
+    surface.CreateIdAttr(VtValue(TfToken("UsdPreviewSurface")));
+    surface.CreateInput(TfToken("diffuseColor"), SdfValueTypeNames->Color3f).Set(r.vec(0, 1));
+    surface.CreateOutput(TfToken("surface"), SdfValueTypeNames->Token);
+    UsdShadeShader reader = UsdShadeShader::Define(s.stage, path.AppendChild(TfToken("Reader")));
+    reader.CreateIdAttr(VtValue(TfToken("UsdPrimvarReader_float2")));
+    reader.CreateInput(TfToken("varname"), SdfValueTypeNames->Token).Set(TfToken("st"));
+    reader.CreateOutput(TfToken("result"), SdfValueTypeNames->Float2);
+    UsdShadeShader texture = UsdShadeShader::Define(s.stage, path.AppendChild(TfToken("Texture")));
+    texture.CreateIdAttr(VtValue(TfToken("UsdUVTexture")));
+    texture.CreateInput(TfToken("file"), SdfValueTypeNames->Asset).Set(SdfAssetPath(s.files.image(0)));
+    texture.CreateInput(TfToken("st"), SdfValueTypeNames->Float2).ConnectToSource(reader, TfToken("result"));
+    texture.CreateOutput(TfToken("rgb"), SdfValueTypeNames->Float3);
+    material.CreateSurfaceOutput().ConnectToSource(surface, TfToken("surface"));
+    const UsdPrim mesh = anyOf(s.prims<UsdGeomMesh>(), r);
+    if (mesh) {
+        UsdShadeMaterialBindingAPI(mesh).Bind(material);
+    }
+    return "add " + path.GetString() + (mesh ? " for " + mesh.GetPath().GetString() : "");
+}
+
+UsdShadeShader nodeOf(Session& s, Random& r, const char* name) {
+    const UsdPrim material = anyOf(s.prims<UsdShadeMaterial>(), r);
+    return material ? UsdShadeShader(material.GetChild(TfToken(name))) : UsdShadeShader();
+}
+
+std::string setSurface(Session& s, Random& r) {
+    const UsdShadeShader surface = nodeOf(s, r, "Surface");
+    if (!surface) {
+        return {};
+    }
+    switch (r.below(4)) {
+    case 0:
+        return setAttribute(surface.GetPrim(), "inputs:diffuseColor", SdfValueTypeNames->Color3f, VtValue(r.vec(0, 1)),
+                            r);
+    case 1:
+        return setAttribute(surface.GetPrim(), "inputs:emissiveColor", SdfValueTypeNames->Color3f,
+                            VtValue(r.vec(0, 0.5f)), r, false);
+    case 2:
+        return setAttribute(surface.GetPrim(), "inputs:opacity", SdfValueTypeNames->Float,
+                            VtValue(r.of({1.0f, 0.5f, 0.0f})), r, false);
+    default:
+        return setAttribute(surface.GetPrim(), r.of({"inputs:roughness", "inputs:metallic", "inputs:clearcoat"}),
+                            SdfValueTypeNames->Float, VtValue(r.between(0, 1)), r, false);
+    }
+}
+
+std::string connectTexture(Session& s, Random& r) {
+    const UsdShadeShader surface = nodeOf(s, r, "Surface");
+    if (!surface) {
+        return {};
+    }
+    UsdShadeInput color = UsdShadeShader(surface).CreateInput(TfToken("diffuseColor"), SdfValueTypeNames->Color3f);
+    if (color.HasConnectedSource()) {
+        color.DisconnectSource();
+        return "disconnect " + color.GetAttr().GetPath().GetString();
+    }
+    const UsdPrim texture = surface.GetPrim().GetParent().GetChild(TfToken("Texture"));
+    if (!texture) {
+        return {};
+    }
+    color.ConnectToSource(UsdShadeShader(texture), TfToken("rgb"));
+    return "connect " + color.GetAttr().GetPath().GetString();
+}
+
+std::string setTexture(Session& s, Random& r) {
+    const UsdShadeShader texture = nodeOf(s, r, "Texture");
+    if (!texture) {
+        return {};
+    }
+    switch (r.below(3)) {
+    case 0:
+        return setAttribute(
+            texture.GetPrim(), "inputs:file", SdfValueTypeNames->Asset,
+            VtValue(SdfAssetPath(r.chance(0.2) ? "missing.ppm" : s.files.image(r.below(s.files.images)))), r, false);
+    case 1:
+        return setAttribute(texture.GetPrim(), "inputs:wrapS", SdfValueTypeNames->Token,
+                            VtValue(TfToken(r.of({"repeat", "clamp", "mirror", "black"}))), r, false);
+    default:
+        return setAttribute(texture.GetPrim(), "inputs:scale", SdfValueTypeNames->Float4,
+                            VtValue(GfVec4f(r.between(0, 1))), r, false);
+    }
+}
+
+std::string setReader(Session& s, Random& r) {
+    const UsdShadeShader reader = nodeOf(s, r, "Reader");
+    return reader ? setAttribute(reader.GetPrim(), "inputs:varname", SdfValueTypeNames->Token,
+                                 VtValue(TfToken(r.of({"st", "uv", "other"}))), r, false)
+                  : std::string();
+}
+
+std::string unknownNode(Session& s, Random& r) {
+    const UsdShadeShader surface = nodeOf(s, r, "Surface");
+    return surface ? setAttribute(surface.GetPrim(), "info:id", SdfValueTypeNames->Token,
+                                  VtValue(TfToken(r.of({"UsdPreviewSurface", "UsdPreviewSurface", "NoSuchSurface"}))),
+                                  r, false)
+                   : std::string();
+}
+
+std::string bind(Session& s, Random& r) {
+    const UsdPrim mesh = anyOf(s.prims<UsdGeomMesh>(), r);
+    const UsdPrim material = anyOf(s.prims<UsdShadeMaterial>(), r);
+    if (!mesh || !material) {
+        return {};
+    }
+    UsdShadeMaterialBindingAPI(mesh).Bind(UsdShadeMaterial(material));
+    return "bind " + material.GetPath().GetString() + " to " + mesh.GetPath().GetString();
+}
+
+std::string unbind(Session& s, Random& r) {
+    const UsdPrim mesh = anyOf(s.prims<UsdGeomMesh>(), r);
+    if (!mesh || !mesh.HasRelationship(TfToken("material:binding"))) {
+        return {};
+    }
+    UsdShadeMaterialBindingAPI(mesh).UnbindDirectBinding();
+    return "unbind the material of " + mesh.GetPath().GetString();
+}
+
+} // namespace
+
+void addMaterialEdits(EditKinds& kinds) {
+    kinds.push_back({"material: add", 3, addMaterial});
+    kinds.push_back({"material: remove", 1,
+                     [](Session& s, Random& r) { return removePrim(s, anyOf(s.prims<UsdShadeMaterial>(), r)); }});
+    kinds.push_back({"material: rename", 1,
+                     [](Session& s, Random& r) { return renamePrim(s, anyOf(s.prims<UsdShadeMaterial>(), r), r); }});
+    kinds.push_back({"material: surface", 4, setSurface});
+    kinds.push_back({"material: connect a texture", 3, connectTexture});
+    kinds.push_back({"material: texture", 3, setTexture});
+    kinds.push_back({"material: name of the coordinates", 2, setReader});
+    kinds.push_back({"material: unknown node", 1, unknownNode});
+    kinds.push_back({"material: bind", 3, bind});
+    kinds.push_back({"material: unbind", 2, unbind});
+}
+
+} // namespace fuzz
