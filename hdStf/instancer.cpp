@@ -18,6 +18,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 PXR_NAMESPACE_OPEN_SCOPE
 
@@ -93,10 +94,13 @@ GfMatrix4d HdStfInstancer::ComputeTransform(Primvars const& primvars, size_t ind
 
 void HdStfInstancer::_PullPrimvars(HdDirtyBits dirtyBits) {
     SdfPath const& id = GetId();
+    Primvars held; // of which those that are not there any more go
+    std::swap(held, _primvars);
     for (HdPrimvarDescriptor const& primvar : GetDelegate()->GetPrimvarDescriptors(id, HdInterpolationInstance)) {
-        VtValue* slot = _Slot(_primvars, primvar.name.GetString());
-        if (slot && HdChangeTracker::IsPrimvarDirty(dirtyBits, id, primvar.name)) {
-            *slot = GetDelegate()->Get(id, primvar.name);
+        std::string const& name = primvar.name.GetString();
+        if (VtValue* slot = _Slot(_primvars, name)) {
+            const bool dirty = HdChangeTracker::IsPrimvarDirty(dirtyBits, id, primvar.name);
+            *slot = dirty ? GetDelegate()->Get(id, primvar.name) : *_Slot(held, name);
         }
     }
 }

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 PXR_NAMESPACE_USING_DIRECTIVE
@@ -85,6 +86,33 @@ TEST(Instancer, EditsOfPositionsReachTheInstances) {
             EXPECT_EQ(mesh.instances[5].objectToWorld.translation.x, 7);
         }
     }
+}
+
+TEST(Instancer, PrimvarsThatAreRemovedDoNotStay) {
+    TestHost host(testScene({}, R"(
+def PointInstancer "Outer" {
+    point3f[] positions = [(1, 2, 3)]
+    float3[] scales = [(2, 3, 4)]
+    int[] protoIndices = [0]
+    rel prototypes = </Outer/Leaf>
+    def Mesh "Leaf" {
+        int[] faceVertexCounts = [3]
+        int[] faceVertexIndices = [0, 1, 2]
+        point3f[] points = [(0, 0, 0), (1, 0, 0), (1, 1, 0)]
+    }
+})"));
+    const auto leaf = [&]() -> const stf::Transform& {
+        const auto& meshes = host.delegate->GetScene().meshes();
+        const auto it = std::find_if(meshes.begin(), meshes.end(),
+                                     [](const auto& m) { return m.first.find("Leaf") != std::string::npos; });
+        return it->second.instances.at(0).objectToWorld;
+    };
+    host.execute();
+    EXPECT_EQ(leaf().x.x, 2);
+    host.stage->GetPrimAtPath(SdfPath("/Outer")).RemoveProperty(TfToken("scales"));
+    host.execute();
+    EXPECT_EQ(leaf().x.x, 1);
+    EXPECT_EQ(leaf().translation.z, 3);
 }
 
 } // namespace
