@@ -6,6 +6,7 @@
 #include "stfLib/render/scene.h"
 
 #include "pxr/base/gf/matrix4d.h"
+#include "pxr/imaging/hd/changeTracker.h"
 #include "pxr/imaging/hd/mesh.h"
 #include "pxr/pxr.h"
 
@@ -41,8 +42,14 @@ public:
     bool SetDrawn(bool drawn, HdStfRenderParam& param);
 
 protected:
+    /// The material says which texture coordinates are read. Where primvars come, go or change their interpolation,
+    /// normals may be among them; UsdImaging then says that primvars are dirty, and looks at normals only where those
+    /// are.
     HdDirtyBits _PropagateDirtyBits(HdDirtyBits bits) const override {
-        return bits;
+        if (bits & HdChangeTracker::DirtyMaterialId) {
+            bits |= HdChangeTracker::DirtyPrimvar;
+        }
+        return bits & HdChangeTracker::DirtyPrimvar ? bits | HdChangeTracker::DirtyNormals : bits;
     }
     void _InitRepr(TfToken const& reprToken, HdDirtyBits* dirtyBits) override;
 

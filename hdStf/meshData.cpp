@@ -151,6 +151,19 @@ bool HdStfMeshData::_PullPoints(HdMesh const& mesh, HdSceneDelegate* sceneDelega
     return changed;
 }
 
+size_t HdStfMeshData::_CountOf(HdInterpolation interpolation) const {
+    switch (interpolation) {
+    case HdInterpolationConstant:
+        return 1;
+    case HdInterpolationUniform:
+        return _topology.GetFaceVertexCounts().size();
+    case HdInterpolationFaceVarying:
+        return _topology.GetFaceVertexIndices().size();
+    default:
+        return _points.size();
+    }
+}
+
 bool HdStfMeshData::_PullPrimvars(HdMesh const& mesh, HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits,
                                   TfToken const& uvPrimvar, HdStfMessages& messages) {
     SdfPath const& id = mesh.GetId();
@@ -160,6 +173,8 @@ bool HdStfMeshData::_PullPrimvars(HdMesh const& mesh, HdSceneDelegate* sceneDele
         return false;
     }
 
+    // Subdivided meshes have normals of their own, and their hosts may name authored ones without having them.
+    const bool hasNormals = _ToStfScheme(_topology.GetScheme()) == stf::ControlMesh::Scheme::None;
     HdPrimvarDescriptor const* uv = nullptr;
     HdPrimvarDescriptor const* color = nullptr;
     HdPrimvarDescriptor const* normal = nullptr;
@@ -172,7 +187,7 @@ bool HdStfMeshData::_PullPrimvars(HdMesh const& mesh, HdSceneDelegate* sceneDele
             if (primvar.name == HdTokens->displayColor) {
                 color = &primvar;
             } else if (primvar.name == HdTokens->normals) {
-                normal = &primvar;
+                normal = hasNormals ? &primvar : nullptr;
             } else if (primvar.name == HdStfPrimvarTokens->rest) {
                 rest = &primvar;
             } else if (primvar.name == HdStfPrimvarTokens->orientation) {
@@ -187,14 +202,26 @@ bool HdStfMeshData::_PullPrimvars(HdMesh const& mesh, HdSceneDelegate* sceneDele
         }
     }
 
+    // UsdImaging of 20.08 goes on naming a primvar under the interpolations that it had before: the one counts that the
+    // number of values fits.
+    const auto interpolationOf = [&](HdPrimvarDescriptor const& primvar, size_t values) {
+        for (size_t i = 0; i < _interpolations.size(); ++i) {
+            for (HdPrimvarDescriptor const& other : descriptors[i]) {
+                if (other.name == primvar.name && values == _CountOf(_interpolations[i])) {
+                    return _interpolations[i];
+                }
+            }
+        }
+        return primvar.interpolation;
+    };
     const auto pull = [&](HdPrimvarDescriptor const* primvar, auto& held) {
         std::decay_t<decltype(held)> fresh;
         if (primvar) {
-            fresh.interpolation = primvar->interpolation;
             if (!_AsArray(mesh.GetPrimvar(sceneDelegate, primvar->name), &fresh.values)) {
                 messages.Report(stf::Severity::Error, id.GetString() + ": primvars:" + primvar->name.GetString() +
                                                           " has a type that cannot be used; it is ignored");
             }
+            fresh.interpolation = interpolationOf(*primvar, fresh.values.size());
         }
         const bool changed = !(fresh == held);
         held = fresh;

@@ -48,6 +48,8 @@ private:
     bool _PullPoints(HdMesh const& mesh, HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits);
     bool _PullPrimvars(HdMesh const& mesh, HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits,
                        TfToken const& uvPrimvar, HdStfMessages& messages);
+    /// How many values a primvar of that interpolation has.
+    size_t _CountOf(HdInterpolation interpolation) const;
 
     HdMeshTopology _topology;
     int _refineLevel = 0;

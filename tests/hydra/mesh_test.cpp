@@ -151,6 +151,30 @@ TEST(Mesh, PropertiesOfTheSchemaArriveInheritedToo) {
     EXPECT_EQ(host.mesh("/Square").meshVersion, meshVersion);
 }
 
+TEST(Mesh, NormalsComeAndGoAndChangeTheirInterpolation) {
+    TestHost host(testScene("uniform token subdivisionScheme = \"none\""));
+    host.execute();
+    EXPECT_TRUE(host.mesh("/Square").mesh->normals.empty());
+    const UsdGeomMesh square(host.stage->GetPrimAtPath(SdfPath("/Square")));
+    const UsdAttribute normals =
+        square.GetPrim().CreateAttribute(TfToken("primvars:normals"), SdfValueTypeNames->Normal3fArray);
+    normals.SetMetadata(TfToken("interpolation"), TfToken("vertex"));
+    normals.Set(VtVec3fArray(4, GfVec3f(0, 1, 0)));
+    host.execute();
+    EXPECT_EQ(host.mesh("/Square").mesh->normals.size(), 4u);
+
+    normals.SetMetadata(TfToken("interpolation"), TfToken("uniform"));
+    normals.Set(VtVec3fArray(1, GfVec3f(1, 0, 0)));
+    host.execute();
+    ASSERT_EQ(host.mesh("/Square").mesh->normals.size(), 1u);
+    EXPECT_EQ(host.mesh("/Square").mesh->normals[0], stf::Vec3f(1, 0, 0));
+    EXPECT_EQ(host.mesh("/Square").mesh->normalInterpolation, stf::ControlMesh::Interpolation::Uniform);
+
+    square.GetPrim().RemoveProperty(TfToken("primvars:normals"));
+    host.execute();
+    EXPECT_TRUE(host.mesh("/Square").mesh->normals.empty());
+}
+
 TEST(Mesh, AnEmptyMeshIsNoObjectUntilItHasFaces) {
     TestHost host(testScene({}, "def Mesh \"Empty\" {}"));
     host.execute();
