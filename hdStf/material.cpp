@@ -4,6 +4,7 @@
 #include "hdStf/materialNetwork.h"
 #include "hdStf/renderParam.h"
 
+#include "pxr/imaging/hd/renderIndex.h"
 #include "pxr/imaging/hd/sceneDelegate.h"
 
 PXR_NAMESPACE_OPEN_SCOPE
@@ -18,6 +19,7 @@ void HdStfMaterial::Sync(HdSceneDelegate* sceneDelegate, HdRenderParam* renderPa
     const auto description =
         HdStfReadMaterial(GetId(), sceneDelegate->GetMaterialResource(GetId()), param.GetMessages());
     const std::string id = GetId().GetString();
+    const TfToken before = _uvPrimvar;
     if (description) {
         _uvPrimvar = description->uvPrimvar;
         if (!_inScene || !(description->surface == _surface)) {
@@ -28,6 +30,10 @@ void HdStfMaterial::Sync(HdSceneDelegate* sceneDelegate, HdRenderParam* renderPa
     } else {
         _uvPrimvar = TfToken();
         Finalize(renderParam);
+    }
+    if (_uvPrimvar != before) {
+        // Which coordinates meshes take is theirs to pull, and they sync after materials.
+        param.MarkPrimvarsDirty(sceneDelegate->GetRenderIndex().GetChangeTracker());
     }
 }
 

@@ -10,6 +10,11 @@ stf::Scene& HdStfRenderParam::AcquireSceneForEdit() {
     return _scene;
 }
 
+void HdStfRenderParam::MarkPrimvarsDirty(HdChangeTracker& tracker) {
+    std::lock_guard<std::mutex> lock(_gate);
+    tracker.MarkAllRprimsDirty(HdChangeTracker::DirtyPrimvar);
+}
+
 void HdStfRenderParam::ForgetBuffer(HdStfRenderBuffer const* buffer) {
     std::lock_guard<std::mutex> lock(_gate);
     _job.ForgetBuffer(buffer);

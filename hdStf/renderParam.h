@@ -5,6 +5,7 @@
 #include "hdStf/renderJob.h"
 #include "stfLib/render/scene.h"
 
+#include "pxr/imaging/hd/changeTracker.h"
 #include "pxr/imaging/hd/renderDelegate.h"
 #include "pxr/pxr.h"
 
@@ -34,6 +35,9 @@ public:
     /// before prims.
     void SetShutterOpens() { _shutterOpens.store(true); }
     bool ShutterOpens() const { return _shutterOpens.load(); }
+
+    /// Has all rprims pull their primvars again, with this sync.
+    void MarkPrimvarsDirty(HdChangeTracker& tracker);
 
     /// A render buffer goes away: nothing may be written to it any more.
     void ForgetBuffer(HdStfRenderBuffer const* buffer);

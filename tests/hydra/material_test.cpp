@@ -157,6 +157,37 @@ TEST(Material, TexturesArriveWithAllThatBelongsToThem) {
     std::filesystem::remove(file);
 }
 
+TEST(Material, EditsOfTheNameOfCoordinatesAndOfTheBindingReachTheMesh) {
+    const std::string nodes = R"(
+    def Shader "Map" {
+        uniform token info:id = "UsdUVTexture"
+        asset inputs:file = @none.ppm@
+        float2 inputs:st.connect = </Look/Reader.outputs:result>
+        float3 outputs:rgb
+    }
+    def Shader "Reader" {
+        uniform token info:id = "UsdPrimvarReader_float2"
+        token inputs:varname = "st"
+        float2 outputs:result
+    })";
+    TestHost host(testScene(binding, look("color3f inputs:diffuseColor.connect = </Look/Map.outputs:rgb>", nodes) +
+                                         "def Material \"Bare\" {}"));
+    const auto farthest = [&] { return host.mesh("/Square").mesh->uvs.back().y; };
+    host.execute();
+    EXPECT_EQ(farthest(), 0) << "st";
+    input(host, "Reader", "inputs:varname").Set(TfToken("map1"));
+    host.execute();
+    EXPECT_EQ(farthest(), 1) << "map1";
+
+    UsdShadeMaterialBindingAPI square(host.stage->GetPrimAtPath(SdfPath("/Square")));
+    square.Bind(UsdShadeMaterial(host.stage->GetPrimAtPath(SdfPath("/Bare"))));
+    host.execute();
+    EXPECT_EQ(farthest(), 0) << "st";
+    square.Bind(UsdShadeMaterial(host.stage->GetPrimAtPath(SdfPath("/Look"))));
+    host.execute();
+    EXPECT_EQ(farthest(), 1) << "map1";
+}
+
 TEST(Material, DisplayColorThroughAReader) {
     TestHost host(testScene(binding, look("color3f inputs:diffuseColor.connect = </Look/Color.outputs:result>", R"(
     def Shader "Color" {
