@@ -18,10 +18,11 @@ Shape randomShape(Random& random) {
     const float size = random.of({0.4f, 0.8f, 1.2f});
     switch (random.below(4)) {
     case 0:
-        s.name = "square";
-        s.points = {{-size, -size, 0}, {size, -size, 0}, {size, size, 0}, {-size, size, 0}};
-        s.counts = {4};
-        s.indices = {0, 1, 2, 3};
+        s.name = "strip";
+        s.points = {{-size, -size, 0}, {0, -size, 0}, {size, -size, 0},
+                    {-size, size, 0},  {0, size, 0},  {size, size, 0}};
+        s.counts = {4, 4};
+        s.indices = {0, 1, 4, 3, 1, 2, 5, 4};
         break;
     case 1:
         s.name = "cube";
@@ -32,10 +33,10 @@ Shape randomShape(Random& random) {
         s.indices = {0, 2, 3, 1, 4, 5, 7, 6, 0, 1, 5, 4, 2, 6, 7, 3, 0, 4, 6, 2, 1, 3, 7, 5};
         break;
     case 2:
-        s.name = "tetrahedron";
-        s.points = {{0, 0, size}, {size, 0, -size}, {-size, size, -size}, {-size, -size, -size}};
-        s.counts.assign(4, 3);
-        s.indices = {0, 1, 2, 0, 2, 3, 0, 3, 1, 1, 3, 2};
+        s.name = "octahedron";
+        s.points = {{size, 0, 0}, {-size, 0, 0}, {0, size, 0}, {0, -size, 0}, {0, 0, size}, {0, 0, -size}};
+        s.counts.assign(8, 3);
+        s.indices = {0, 2, 4, 2, 1, 4, 1, 3, 4, 3, 0, 4, 2, 0, 5, 1, 2, 5, 3, 1, 5, 0, 3, 5};
         break;
     default:
         s.name = "grid";

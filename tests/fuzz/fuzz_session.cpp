@@ -39,16 +39,16 @@ def Xform "World" {
     def DistantLight "Key" {
         float intensity = 2
         float inputs:intensity = 2
-        float angle = 2
-        float inputs:angle = 2
+        float angle = 0
+        float inputs:angle = 0
         matrix4d xformOp:transform = ((1, 0, 0, 0), (0, 0.8, -0.6, 0), (0, 0.6, 0.8, 0), (0, 0, 0, 1))
         uniform token[] xformOpOrder = ["xformOp:transform"]
     }
     def Mesh "Floor" {
         uniform token subdivisionScheme = "none"
-        int[] faceVertexCounts = [4]
-        int[] faceVertexIndices = [0, 1, 2, 3]
-        point3f[] points = [(-3, -2, -1), (3, -2, -1), (3, 2, -1), (-3, 2, -1)]
+        int[] faceVertexCounts = [4, 4]
+        int[] faceVertexIndices = [0, 1, 4, 3, 1, 2, 5, 4]
+        point3f[] points = [(-3, -2, -1), (0, -2, -1), (3, -2, -1), (-3, 2, -1), (0, 2, -1), (3, 2, -1)]
         color3f[] primvars:displayColor = [(0.3, 0.4, 0.7)] ( interpolation = "constant" )
     }
     def Mesh "Ball" {
@@ -64,9 +64,9 @@ def Scope "Library" {
     class Xform "Thing" {
         def Mesh "Geo" {
             uniform token subdivisionScheme = "none"
-            int[] faceVertexCounts = [3, 3, 3, 3]
-            int[] faceVertexIndices = [0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3]
-            point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+            int[] faceVertexCounts = [4, 4]
+            int[] faceVertexIndices = [0, 1, 4, 3, 1, 2, 5, 4]
+            point3f[] points = [(0, 0, 0), (0.5, 0, 0), (1, 0, 0), (0, 1, 0.3), (0.5, 1, 0), (1, 1, 0)]
         }
     }
 }

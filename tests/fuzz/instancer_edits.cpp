@@ -153,7 +153,7 @@ std::string swapPrototypes(const UsdGeomPointInstancer& instancer, Random& r) {
     if (r.chance(0.5)) {
         std::reverse(targets.begin(), targets.end());
     } else {
-        targets.assign(targets.size(), targets.front());
+        targets.resize(1);
     }
     rel.SetTargets(targets);
     return "other prototypes for " + instancer.GetPath().GetString();

@@ -4,6 +4,7 @@
 #include "pxr/base/tf/stringUtils.h"
 #include "pxr/usd/sdf/namespaceEdit.h"
 #include "pxr/usd/usdGeom/camera.h"
+#include "pxr/usd/usdGeom/pointInstancer.h"
 #include "pxr/usd/usdGeom/primvarsAPI.h"
 #include "pxr/usd/usdGeom/tokens.h"
 #include "pxr/usd/usdGeom/xform.h"
@@ -192,6 +193,9 @@ std::string refine(Session& s, Random& r) {
     if (!mesh || r.chance(0.3)) {
         s.view.refineFallback = r.below(3);
         return "refine all by " + std::to_string(s.view.refineFallback);
+    }
+    if (mesh.GetPath().HasPrefix(SdfPath("/Library")) || mesh.GetPrim().GetParent().IsA<UsdGeomPointInstancer>()) {
+        return {}; // UsdImaging knows them by other paths
     }
     s.view.refine[mesh.GetPath()] = r.below(3);
     return "refine " + mesh.GetPath().GetString() + " by " + std::to_string(s.view.refine[mesh.GetPath()]);

@@ -50,13 +50,7 @@ void compareMeshes(const std::string& id, const stf::SceneMesh& a, const stf::Sc
     lines.check(id + ": uvs", m.uvs, n.uvs);
     lines.check(id + ": uv indices", m.uvIndices, n.uvIndices);
     lines.check(id + ": normals", m.normals, n.normals);
-    if (!m.normals.empty()) {
-        lines.check(id + ": interpolation of normals", int(m.normalInterpolation), int(n.normalInterpolation));
-    }
     lines.check(id + ": colours", m.colors, n.colors);
-    if (!m.colors.empty()) {
-        lines.check(id + ": interpolation of colours", int(m.colorInterpolation), int(n.colorInterpolation));
-    }
     lines.check(id + ": rest pose", m.rest, n.rest);
     lines.check(id + ": directions", m.orientation, n.orientation);
     lines.check(id + ": refine level", a.refineLevel, b.refineLevel);
