@@ -112,8 +112,12 @@ int valueCount(const UsdGeomMesh& mesh, const TfToken& interpolation, Random& ra
     return std::max(1, int(count) - (random.chance(0.05) ? 1 : 0));
 }
 
+bool isInstanced(const UsdPrim& prim) {
+    return prim.GetPath().HasPrefix(SdfPath("/Library"));
+}
+
 std::string removePrim(Session& session, const UsdPrim& prim) {
-    if (!prim) {
+    if (!prim || isInstanced(prim)) {
         return {};
     }
     const SdfPath path = prim.GetPath();
@@ -122,7 +126,7 @@ std::string removePrim(Session& session, const UsdPrim& prim) {
 }
 
 std::string renamePrim(Session& session, const UsdPrim& prim, Random& random) {
-    if (!prim) {
+    if (!prim || isInstanced(prim)) {
         return {};
     }
     const SdfPath from = prim.GetPath();

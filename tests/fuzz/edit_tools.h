@@ -41,6 +41,9 @@ inline PXR_NS::UsdPrim anyOf(const std::vector<PXR_NS::UsdPrim>& prims, Random& 
     return prims.empty() ? PXR_NS::UsdPrim() : random.of(prims);
 }
 
+/// Whether native instances may share the prim: then it can be edited but not go. UsdImaging of 20.08 reads prims of a
+/// prototype after they went, and ends the process.
+bool isInstanced(const PXR_NS::UsdPrim& prim);
 std::string removePrim(Session& session, const PXR_NS::UsdPrim& prim);
 /// The same prim under another name, beside its old place.
 std::string renamePrim(Session& session, const PXR_NS::UsdPrim& prim, Random& random);

@@ -194,7 +194,7 @@ std::string refine(Session& s, Random& r) {
         s.view.refineFallback = r.below(3);
         return "refine all by " + std::to_string(s.view.refineFallback);
     }
-    if (mesh.GetPath().HasPrefix(SdfPath("/Library")) || mesh.GetPrim().GetParent().IsA<UsdGeomPointInstancer>()) {
+    if (isInstanced(mesh.GetPrim()) || mesh.GetPrim().GetParent().IsA<UsdGeomPointInstancer>()) {
         return {}; // UsdImaging knows them by other paths
     }
     s.view.refine[mesh.GetPath()] = r.below(3);
@@ -238,7 +238,7 @@ std::string setPurpose(Session& s, Random& r) {
 
 std::string activate(Session& s, Random& r) {
     std::vector<UsdPrim> prims;
-    for (const char* parent : {"/World", "/Library", "/Looks"}) {
+    for (const char* parent : {"/World", "/Looks"}) {
         for (const UsdPrim& prim : s.stage->GetPrimAtPath(SdfPath(parent)).GetAllChildren()) {
             prims.push_back(prim);
         }

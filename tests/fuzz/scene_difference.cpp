@@ -2,6 +2,7 @@
 #include "scene_difference.h"
 
 #include <algorithm>
+#include <map>
 #include <set>
 #include <sstream>
 
@@ -89,6 +90,18 @@ void compareMaps(const std::string& what, const Map& a, const Map& b, Lines& lin
     }
 }
 
+/// UsdImaging finds materials by who is bound to them, and keeps those that nobody is bound to any more.
+std::map<std::string, stf::PreviewSurface> boundMaterials(const stf::Scene& scene) {
+    std::map<std::string, stf::PreviewSurface> bound;
+    for (const auto& [id, mesh] : scene.meshes()) {
+        const auto material = scene.materials().find(mesh.material);
+        if (drawn(mesh) && material != scene.materials().end()) {
+            bound.insert(*material);
+        }
+    }
+    return bound;
+}
+
 } // namespace
 
 std::string sceneDifference(const stf::Scene& a, const stf::Scene& b) {
@@ -103,7 +116,7 @@ std::string sceneDifference(const stf::Scene& a, const stf::Scene& b) {
         }
     }
     compareMaps("light", a.lights(), b.lights(), lines);
-    compareMaps("material", a.materials(), b.materials(), lines);
+    compareMaps("material", boundMaterials(a), boundMaterials(b), lines);
     lines.check("metres per unit", a.metersPerUnit(), b.metersPerUnit());
     return lines.text();
 }

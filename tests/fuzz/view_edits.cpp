@@ -157,7 +157,7 @@ std::string setSetting(Session& s, Random& r) {
     case 14:
         return set("stf:errorTarget", VtValue(r.of({0.0f, 0.2f})));
     case 15:
-        return set("stf:integrator", VtValue(std::string(r.of({"stf", "stf", "reference"}))));
+        return set("stf:integrator", VtValue(std::string(r.of({"stf", "stf", "stf", "stf", "reference"}))));
     default:
         return set("stageMetersPerUnit", VtValue(r.of({0.01, 0.02})));
     }
