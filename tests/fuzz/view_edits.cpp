@@ -126,7 +126,7 @@ std::string setSetting(Session& s, Random& r) {
         s.view.settings[TfToken(key)] = value;
         return std::string(key) + " = " + TfStringify(value);
     };
-    switch (r.below(17)) {
+    switch (r.below(18)) {
     case 0:
         return set("stf:samples", VtValue(r.of({1, 2, 3})));
     case 1:
@@ -135,7 +135,7 @@ std::string setSetting(Session& s, Random& r) {
     case 3:
         return set("stf:maxDepth", VtValue(r.of({0, 0, 0, 1, 3})));
     case 4:
-        return set("stf:pixelFilter", VtValue(std::string(r.of({"box", "gaussian", "blackmanHarris", "nonsense"}))));
+        return set("stf:pixelFilter", VtValue(std::string(r.of({"box", "gaussian", "blackmanHarris"}))));
     case 5:
         return set("stf:pixelFilterWidth", VtValue(r.of({0.0f, 2.0f})));
     case 6:
@@ -158,6 +158,10 @@ std::string setSetting(Session& s, Random& r) {
         return set("stf:errorTarget", VtValue(r.of({0.0f, 0.2f})));
     case 15:
         return set("stf:integrator", VtValue(std::string(r.of({"stf", "stf", "stf", "stf", "reference"}))));
+    case 16:
+        // Is refused, and the value stays what it was.
+        s.live().delegate->SetRenderSetting(TfToken("stf:pixelFilter"), VtValue(std::string("nonsense")));
+        return std::string("stf:pixelFilter = nonsense");
     default:
         return set("stageMetersPerUnit", VtValue(r.of({0.01, 0.02})));
     }
