@@ -46,7 +46,7 @@ if(_python)
         "$<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:${Python3_LIBRARIES}>")
 endif()
 target_link_options(hdstf_openusd INTERFACE
-    "$<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:-Wl,--no-as-needed;-Wl,--allow-shlib-undefined>")
+    "$<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:-Wl,--no-as-needed;-Wl,--copy-dt-needed-entries;-Wl,--allow-shlib-undefined>")
 foreach(_name arch tf gf work plug vt sdf usd usdGeom usdLux usdShade hf hd hdsi usdImaging)
     add_library(${_name} INTERFACE IMPORTED)
     target_link_libraries(${_name} INTERFACE hdstf_openusd)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "test_host.h"
 
+#include "pxr/base/tf/getenv.h"
 #include "pxr/base/tf/stringUtils.h"
 #include "pxr/base/vt/dictionary.h"
 #include "pxr/imaging/hd/tokens.h"
@@ -33,10 +34,13 @@ TestHost::TestHost(const std::string& usda, const std::vector<std::string>& aovs
     stage = UsdStage::Open(layer);
     index_.reset(HdRenderIndex::New(delegate.get(), {}));
     buffers_ = std::make_unique<Buffers>(index_.get());
-    scene_ = std::make_unique<UsdImagingDelegate>(index_.get(), SdfPath::AbsoluteRootPath());
-    scene_->Populate(stage->GetPseudoRoot());
-    scene_->SetCameraForSampling(SdfPath("/Camera"));
-    scene_->SetTime(UsdTimeCode::EarliestTime());
+    using stfrecord::StageScene;
+    const bool sceneIndices = TfGetenvBool("HDSTF_TEST_SCENE_INDICES", false);
+    scene_ = std::make_unique<StageScene>(*index_, stage,
+                                          sceneIndices ? StageScene::Way::SceneIndices : StageScene::Way::Delegate,
+                                          std::vector<std::string>{"default", "render", "proxy", "guide"});
+    scene_->setCameraForSampling(SdfPath("/Camera"));
+    scene_->setTime(UsdTimeCode::EarliestTime());
     setOutputs(aovs, width, height);
     delegate->SetRenderSetting(TfToken("stf:samples"), VtValue(2));
 }
@@ -90,7 +94,7 @@ void TestHost::setOutputs(const std::vector<std::string>& aovs, int width, int h
 }
 
 void TestHost::execute() {
-    scene_->ApplyPendingUpdates();
+    scene_->applyPendingUpdates();
     HdTaskSharedPtrVector tasks = {task_};
     engine_.Execute(index_.get(), &tasks);
 }

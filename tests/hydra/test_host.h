@@ -5,18 +5,19 @@
 #include "hdStf/renderBuffer.h"
 #include "hdStf/renderDelegate.h"
 #include "tools/stfrecord/recordTask.h"
+#include "tools/stfrecord/stageScene.h"
 
 #include "pxr/imaging/hd/engine.h"
 #include "pxr/imaging/hd/renderIndex.h"
 #include "pxr/usd/usd/stage.h"
-#include "pxr/usdImaging/usdImaging/delegate.h"
 
 #include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
-/// A Hydra host for tests: a stage in memory, UsdImaging, the delegate's own classes, one task.
+/// A Hydra host for tests: a stage in memory, UsdImaging, the delegate's own classes, one task. The stage comes in by
+/// UsdImaging's scene delegate, or by its scene indices where the environment says HDSTF_TEST_SCENE_INDICES=1.
 class TestHost {
 public:
     /// `usda` is the text of a layer; it needs a camera at /Camera.
@@ -31,7 +32,7 @@ public:
     void setOutputs(const std::vector<std::string>& aovs, int width, int height);
     /// The same for a frame of another size than that of the buffers.
     void setOutputs(const std::vector<std::string>& aovs, int width, int height, int frameWidth, int frameHeight);
-    void setTime(double time) { scene_->SetTime(PXR_NS::UsdTimeCode(time)); }
+    void setTime(double time) { scene_->setTime(PXR_NS::UsdTimeCode(time)); }
     const PXR_NS::HdStfCamera& camera();
     /// Hands pending edits over and executes once.
     void execute();
@@ -50,7 +51,7 @@ public:
 private:
     class Buffers;
     std::unique_ptr<PXR_NS::HdRenderIndex> index_;
-    std::unique_ptr<PXR_NS::UsdImagingDelegate> scene_;
+    std::unique_ptr<stfrecord::StageScene> scene_;
     std::unique_ptr<Buffers> buffers_;
     PXR_NS::HdEngine engine_;
     std::shared_ptr<stfrecord::RecordTask> task_;

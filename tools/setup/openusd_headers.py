@@ -69,7 +69,9 @@ def main():
                              f"is {namespace}")
         text = pxr_h(arguments.source / "pxr" / "pxr.h.in", version, namespace, data)
         count = 0
-        for path in sorted((arguments.source / "pxr").rglob("*.h")):
+        for path in sorted((arguments.source / "pxr").rglob("*")):
+            if path.suffix not in (".h", ".hpp", ".ipp"):
+                continue
             target = arguments.output / path.relative_to(arguments.source)
             target.parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(path, target)
