@@ -140,7 +140,7 @@ std::string testScene(const std::string& squareProperties, const std::string& mo
     return R"(#usda 1.0
 def Camera "Camera" { double3 xformOp:translate = (0, 0, 5); uniform token[] xformOpOrder = ["xformOp:translate"]; }
 def DistantLight "Light" { float intensity = 1; float inputs:intensity = 1; float angle = 0; float inputs:angle = 0; }
-def Mesh "Square" {
+def Mesh "Square" ( prepend apiSchemas = ["MaterialBindingAPI"] ) {
     int[] faceVertexCounts = [4]
     int[] faceVertexIndices = [0, 1, 2, 3]
     point3f[] points = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
