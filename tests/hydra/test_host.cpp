@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "test_host.h"
 
+#include "hdStf/hydraCompat.h"
+
 #include "pxr/base/tf/getenv.h"
 #include "pxr/base/tf/stringUtils.h"
 #include "pxr/base/vt/dictionary.h"
@@ -20,6 +22,14 @@ extern "C" __attribute__((visibility("default"))) const char* __asan_default_opt
 
 PXR_NAMESPACE_USING_DIRECTIVE
 
+static bool byIndices() {
+    return TfGetenvBool("HDSTF_TEST_SCENE_INDICES", false);
+}
+
+bool TestHost::motionIsSampled() {
+    return HDSTF_HAS_SAMPLING_INTERVAL || !byIndices();
+}
+
 class TestHost::Buffers final : public HdSceneDelegate {
 public:
     explicit Buffers(HdRenderIndex* index) : HdSceneDelegate(index, SdfPath("/__buffers")) {}
@@ -35,9 +45,8 @@ TestHost::TestHost(const std::string& usda, const std::vector<std::string>& aovs
     index_.reset(HdRenderIndex::New(delegate.get(), {}));
     buffers_ = std::make_unique<Buffers>(index_.get());
     using stfrecord::StageScene;
-    const bool sceneIndices = TfGetenvBool("HDSTF_TEST_SCENE_INDICES", false);
     scene_ = std::make_unique<StageScene>(*index_, stage,
-                                          sceneIndices ? StageScene::Way::SceneIndices : StageScene::Way::Delegate,
+                                          byIndices() ? StageScene::Way::SceneIndices : StageScene::Way::Delegate,
                                           std::vector<std::string>{"default", "render", "proxy", "guide"});
     scene_->setCameraForSampling(SdfPath("/Camera"));
     scene_->setTime(UsdTimeCode::EarliestTime());

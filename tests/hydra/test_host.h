@@ -25,11 +25,16 @@ public:
                       int height = 12);
     ~TestHost();
 
+    /// Whether this OpenUSD gives transforms over a shutter, the way the stage comes in.
+    static bool motionIsSampled();
+
     PXR_NS::UsdStageRefPtr stage;
     std::unique_ptr<PXR_NS::HdStfRenderDelegate> delegate;
 
     /// New buffers of that size, as a host does when its window changes.
     void setOutputs(const std::vector<std::string>& aovs, int width, int height);
+    /// Which prims the task asks for; none: all of them.
+    void setRenderTags(const PXR_NS::TfTokenVector& tags) { task_->setRenderTags(tags); }
     /// The same for a frame of another size than that of the buffers.
     void setOutputs(const std::vector<std::string>& aovs, int width, int height, int frameWidth, int frameHeight);
     void setTime(double time) { scene_->setTime(PXR_NS::UsdTimeCode(time)); }

@@ -15,6 +15,7 @@ public:
                PXR_NS::TfTokenVector renderTags);
 
     void setCamera(const PXR_NS::SdfPath& camera) { camera_ = camera; }
+    void setRenderTags(const PXR_NS::TfTokenVector& tags) { renderTags_ = tags; }
     bool isConverged() const { return pass_->IsConverged(); }
     const PXR_NS::HdRenderPassAovBindingVector& bindings() const { return bindings_; }
 
