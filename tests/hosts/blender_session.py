@@ -37,16 +37,16 @@ def make_scene():
     scene.render.resolution_x, scene.render.resolution_y = SETTINGS["size"]
     scene.render.resolution_percentage = 100
     scene.view_settings.view_transform = "Standard"
-    scene.render.image_settings.file_format = "PNG"
+    scene.render.image_settings.file_format = "OPEN_EXR"
     return scene, ball
 
 
 def render(scene, name):
-    """Renders to output/name.png and returns what was reported meanwhile."""
+    """Renders to output/name.exr and returns what was reported meanwhile."""
     reports = []
     original = engine.StfRenderEngine._report
     engine.StfRenderEngine._report = lambda self, messages: (reports.extend(messages), original(self, messages))
-    scene.render.filepath = str(OUTPUT / (name + ".png"))
+    scene.render.filepath = str(OUTPUT / (name + ".exr"))
     failed = ""
     try:
         bpy.ops.render.render(write_still=True)

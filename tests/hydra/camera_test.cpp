@@ -112,6 +112,10 @@ TEST(Motion, TransformsAreSampledOverTheShutter) {
     const UsdGeomCamera camera(host.stage->GetPrimAtPath(SdfPath("/Camera")));
     camera.GetShutterCloseAttr().Set(1.0);
     EXPECT_TRUE(host.restarts());
+    if (TestHost::byIndices()) {
+        GTEST_SKIP() << "a renderer cannot ask for prims of scene indices anew: they move as before until something "
+                        "dirties them";
+    }
     EXPECT_NEAR(samples().back().transform.translation.x, 10, 1e-6);
 }
 

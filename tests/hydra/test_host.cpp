@@ -22,7 +22,7 @@ extern "C" __attribute__((visibility("default"))) const char* __asan_default_opt
 
 PXR_NAMESPACE_USING_DIRECTIVE
 
-static bool byIndices() {
+bool TestHost::byIndices() {
     return TfGetenvBool("HDSTF_TEST_SCENE_INDICES", false);
 }
 

@@ -25,6 +25,7 @@ public:
                       int height = 12);
     ~TestHost();
 
+    static bool byIndices();
     /// Whether this OpenUSD gives transforms over a shutter, the way the stage comes in.
     static bool motionIsSampled();
 
