@@ -180,11 +180,10 @@ TEST(Mesh, PurposesThatAreNotAskedForAreNotDrawn) {
 // As in Hydra's own lists of prims; Blender's task has no tags.
 TEST(Mesh, TasksWithoutRenderTagsDrawAll) {
     TestHost host(testScene());
+    host.execute();
     host.setRenderTags({HdRenderTagTokens->guide});
     host.execute();
-    const auto& meshes = host.delegate->GetScene().meshes();
-    const auto it = meshes.find("/Square");
-    EXPECT_TRUE(it == meshes.end() || !it->second.visible);
+    EXPECT_FALSE(host.mesh("/Square").visible);
     host.setRenderTags({});
     host.execute();
     EXPECT_TRUE(host.mesh("/Square").visible);
