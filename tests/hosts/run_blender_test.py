@@ -82,7 +82,8 @@ def main():
     print(f"Blender {seen['blender']}")
     check(output, seen)
     progress = [line for line in (output / "blender.log").read_text().splitlines() if "Done: " in line]
-    assert any("Done: 0%" not in line for line in progress), "Blender saw no progress"
+    # Blender from 5.0 on prints none without a window.
+    assert not progress or any("Done: 0%" not in line for line in progress), "Blender saw no progress"
 
 
 if __name__ == "__main__":
