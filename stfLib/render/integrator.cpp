@@ -2,6 +2,7 @@
 #include "stfLib/render/integrator.h"
 
 #include "stfLib/render/core_light.h"
+#include "stfLib/render/shell_glow.h"
 #include "stfLib/render/surface_point.h"
 #include "stfLib/transport/tile_tracer.h"
 
@@ -13,6 +14,9 @@ constexpr int kMaxSurfaces = 64; // of transparent shells along one ray
 
 /// A mirrored path whose throughput is below this takes part in surfaces only with the chance that makes up for it.
 constexpr float kFaint = 0.25f;
+
+/// Radians: paths of lobes so wide see no detail of a shell.
+constexpr float kWideSpread = 0.4f;
 
 } // namespace
 
@@ -175,7 +179,7 @@ Integrator::ShellMeeting Integrator::meetShell(const PreparedInstance& instance,
     float inner = medium;
     if (refracts) {
         const float ior = marchOf(instance).iorAt(surfel.objectPoint, surfel.triangle);
-        in = crossSurface(direction, normalize(smoothNormal(*instance.mesh->surface, hit)), hit.geometricNormal, ior);
+        in = enterShell(instance, ior, direction, hit);
         direction = in.reflectance < 1 ? in.refracted : direction;
         inner *= (1 - in.reflectance) / (ior * ior);
     }
@@ -204,10 +208,32 @@ Integrator::ShellMeeting Integrator::meetShell(const PreparedInstance& instance,
             m.through *= share;
         }
     }
+    mirrorOff(instance, surfel, in, m);
+    return m;
+}
+
+SurfaceCrossing Integrator::enterShell(const PreparedInstance& instance, float ior, const Vec3f& direction,
+                                       const RayHit& hit) {
+    return crossSurface(direction, normalize(smoothNormal(*instance.mesh->surface, hit)), hit.geometricNormal, ior);
+}
+
+void Integrator::mirrorOff(const PreparedInstance& instance, const Surfel& surfel, const SurfaceCrossing& in,
+                           ShellMeeting& m) const {
     if (in.reflectance > 0) {
         m.reflected = Rgb(in.reflectance);
         m.mirrorRay.direction = instance.worldDirection(in.reflected);
         m.mirrorRay.origin = instance.worldPoint(surfel.shadowOrigin) + surfel.normal * scene_.shadowOffset;
+    }
+}
+
+Integrator::ShellMeeting Integrator::meetKept(const PreparedInstance& instance, const Surfel& surfel, const Ray& ray,
+                                              const RayHit& hit) {
+    ShellMeeting m;
+    m.multiple = exitantAt(instance, hit.triangle, hit.u, hit.v);
+    m.mirrorMoved = hit.t;
+    if (instance.mesh->shell->medium->refracts()) {
+        const float ior = marchOf(instance).iorAt(surfel.objectPoint, surfel.triangle);
+        mirrorOff(instance, surfel, enterShell(instance, ior, instance.objectDirection(ray.direction), hit), m);
     }
     return m;
 }
@@ -347,8 +373,18 @@ PixelSample Integrator::sample(const Bundle& bundle, int i, const RayCone& cone,
         // Shells are lit as in air, also where they lie in another that refracts.
         const float footprint =
             (cone.at(path.travelled + hit.t) + path.spread * hit.t) * length(scaled) * shell->mmPerUnit;
-        const ShellMeeting m = meetShell(instance, surfel, ray, hit, path.index * path.index, footprint,
-                                         path.bounces < scene_.maxDepth, sampler);
+        const bool kept = path.bounced && path.spread >= kWideSpread && path.index == 1 && scene_.glow &&
+                          scene_.glow->holds(instance.index);
+        ShellMeeting m = kept ? meetKept(instance, surfel, ray, hit)
+                              : meetShell(instance, surfel, ray, hit, path.index * path.index, footprint,
+                                          path.bounces < scene_.maxDepth, sampler);
+        if (path.glowShared) {
+            const float share = path.density / (path.density + scene_.glow->density(instance.index, hit, ray.direction,
+                                                                                    ray.origin, path.normal));
+            m.single *= share;
+            m.multiple *= share;
+            m.core *= share;
+        }
         collect(throughput * m.single, throughput * m.multiple, throughput * m.core);
         add(throughput * m.reflection, path.bounced);
         out.reflection += path.seen() ? throughput * m.reflection : Rgb(0.0f);

@@ -48,7 +48,7 @@ public:
 
 private:
     /// Of other lights on a shell: their visibility is averaged over a disc.
-    static constexpr int kNearDirections = 2;
+    static constexpr int kNearDirections = 1;
     static constexpr int kMaxShellLights = kMaxLightsPerPath * kDomeDirections + IndirectSample::kDirections;
     static_assert(kMaxShellLights <= TileLights::kMost);
 
@@ -65,6 +65,12 @@ private:
         float moved = 0, mirrorMoved = 0; ///< from the ray's origin to those of the two
         bool stopped = false;             ///< `onward` begins inside, before what else is met there
     };
+    /// The same by what is kept of its light, for paths that see no detail.
+    ShellMeeting meetKept(const PreparedInstance& instance, const Surfel& surfel, const Ray& ray, const RayHit& hit);
+    static SurfaceCrossing enterShell(const PreparedInstance& instance, float ior, const Vec3f& direction,
+                                      const RayHit& hit);
+    void mirrorOff(const PreparedInstance& instance, const Surfel& surfel, const SurfaceCrossing& crossing,
+                   ShellMeeting& meeting) const;
     /// `medium`: radiance around the ray over that in air.
     ShellMeeting meetShell(const PreparedInstance& instance, const Surfel& surfel, const Ray& ray, const RayHit& hit,
                            float medium, float footprintMm, bool indirect, PixelSampler& sampler);

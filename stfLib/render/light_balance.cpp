@@ -4,6 +4,7 @@
 #include "stfLib/base/hemisphere.h"
 #include "stfLib/base/parallel.h"
 #include "stfLib/render/integrator.h"
+#include "stfLib/render/shell_glow.h"
 
 #include <algorithm>
 #include <chrono>
@@ -20,8 +21,8 @@ constexpr std::size_t kLeast = 300, kMost = 6'000; ///< of one
 constexpr std::size_t kRays = 1'000'000;           ///< of all samples
 constexpr int kLeastRays = 16, kMostRays = 128;    ///< of one
 constexpr int kViews = 8;                          ///< directions in which what leaves a sample is looked at
-constexpr int kMostRounds = 10;
-constexpr double kSettled = 0.005;   ///< change of all light that leaves shells
+constexpr int kMostRounds = 40;
+constexpr double kSettled = 0.005;   ///< of all light that leaves shells, what further rounds would change
 constexpr double kRareShells = 2e-4; ///< of all rays: below, shells do not light each other
 constexpr std::uint64_t kGatherSeed = 0x676174686572, kViewSeed = 0x76696577;
 
@@ -90,6 +91,7 @@ LightBalance::Report LightBalance::solve(PreparedScene& scene, bool bounces, std
         }
     }
     scene.shellsSeeOthers = false;
+    scene.glow = nullptr;
     scene.keepsDomes = bounces && scene.irradianceCache;
     const bool emission = std::any_of(shells.begin(), shells.end(),
                                       [](const PreparedInstance* i) { return i->mesh->shell->medium->emits(); });
@@ -163,6 +165,7 @@ LightBalance::Report LightBalance::solve(PreparedScene& scene, bool bounces, std
     report.coreSeconds = since(start);
     start = Clock::now();
     const bool exchange = std::any_of(seen.begin(), seen.end(), [](char c) { return c != 0; });
+    double before = 0;
     while (exchange && report.rounds < kMostRounds) {
         ++report.rounds;
         Change change;
@@ -181,10 +184,17 @@ LightBalance::Report LightBalance::solve(PreparedScene& scene, bool bounces, std
             gather(s);
             solveCore(s);
         }
-        report.lastChange = change.relative();
-        if (report.lastChange < kSettled) {
+        // Rounds add ever less, by a ratio that tends to a constant: what is left is a geometric series.
+        const double now = change.relative(), ratio = before > 0 ? std::min(0.99, now / before) : 0.5;
+        before = now;
+        report.lastChange = now;
+        if (now * ratio / (1 - ratio) < kSettled) {
             break;
         }
+    }
+    if (scene.irradianceCache && scene.surfacesBounce) {
+        auto glow = std::make_shared<const ShellGlow>(scene.instances);
+        scene.glow = glow->empty() ? nullptr : std::move(glow);
     }
     report.indirectSeconds += since(start);
     cores_.dropUnused();

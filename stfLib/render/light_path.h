@@ -37,6 +37,7 @@ struct LightPath {
     bool lightsOnly = false; ///< the path ends here: the ray only looks for lights
     float density = 0;       ///< shared: per solid angle, of the ray's direction
     int domeSamples = 1;     ///< and how often a dome was asked
+    bool glowShared = false; ///< samples of what leaves shells were taken as well
     Vec3f normal;            ///< and where: of the surface that the ray leaves
     bool shadowless = false; ///< and whether lights without shadows, found wherever they are, are still to be met
 
@@ -61,12 +62,14 @@ struct LightPath {
     /// From here on it is a mirror image.
     void mirror() {
         mirrored = true;
+        glowShared = false;
         lights = Lights::All;
     }
     /// It went through a shell. Samples of lights see through those that do not bend rays, and nothing behind others.
     void passShell(bool straight) {
         if (!straight) {
             lights = seen() ? Lights::None : Lights::All;
+            glowShared = false;
         }
     }
     /// Something in a shell, which hides lights from samples, is what it meets next.

@@ -15,6 +15,19 @@ LightTree::LightTree(std::vector<TreeLight> lights) {
     if (!lights.empty()) {
         nodes_.reserve(2 * lights.size());
         build(lights, 0, lights.size());
+        std::size_t most = 0;
+        for (const TreeLight& l : lights) {
+            most = std::max(most, l.index);
+        }
+        leaf_.assign(most + 1, -1);
+        for (std::size_t i = 0; i < nodes_.size(); ++i) {
+            const Node& n = nodes_[i];
+            if (n.right < 0) {
+                leaf_[n.index] = int(i);
+            } else {
+                nodes_[std::size_t(n.left)].above = nodes_[std::size_t(n.right)].above = int(i);
+            }
+        }
     }
 }
 
@@ -61,6 +74,22 @@ float LightTree::importance(const Node& n, const Vec3f& point, const Vec3f& norm
     return n.power / square * cosine;
 }
 
+float LightTree::leftShare(const Node& n, const Vec3f& point, const Vec3f& normal) const {
+    const float a = importance(nodes_[std::size_t(n.left)], point, normal),
+                b = importance(nodes_[std::size_t(n.right)], point, normal);
+    return a + b > 0 && std::isfinite(a + b) ? a / (a + b) : 0.5f;
+}
+
+float LightTree::chance(const Vec3f& point, const Vec3f& normal, std::size_t index) const {
+    float chance = 1;
+    for (int i = leaf_[index]; nodes_[std::size_t(i)].above >= 0; i = nodes_[std::size_t(i)].above) {
+        const Node& above = nodes_[std::size_t(nodes_[std::size_t(i)].above)];
+        const float share = leftShare(above, point, normal);
+        chance *= above.left == i ? share : 1 - share;
+    }
+    return chance;
+}
+
 LightTree::Choice LightTree::choose(const Vec3f& point, const Vec3f& normal, float u) const {
     Choice out;
     if (nodes_.empty()) {
@@ -69,17 +98,15 @@ LightTree::Choice LightTree::choose(const Vec3f& point, const Vec3f& normal, flo
     const Node* n = &nodes_[0];
     float chance = 1;
     while (n->right >= 0) {
-        const Node &l = nodes_[std::size_t(n->left)], &r = nodes_[std::size_t(n->right)];
-        const float a = importance(l, point, normal), b = importance(r, point, normal);
-        const float share = a + b > 0 && std::isfinite(a + b) ? a / (a + b) : 0.5f;
+        const float share = leftShare(*n, point, normal);
         if (u < share) {
             u = std::min(u / share, 0.99999994f);
             chance *= share;
-            n = &l;
+            n = &nodes_[std::size_t(n->left)];
         } else {
             u = std::min((u - share) / (1 - share), 0.99999994f);
             chance *= 1 - share;
-            n = &r;
+            n = &nodes_[std::size_t(n->right)];
         }
     }
     return {n->index, chance};

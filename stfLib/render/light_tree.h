@@ -29,6 +29,8 @@ public:
     };
     /// `u` in [0, 1).
     Choice choose(const Vec3f& point, const Vec3f& normal, float u) const;
+    /// With which `choose` takes the light of that index (TreeLight::index; below the number of lights).
+    float chance(const Vec3f& point, const Vec3f& normal, std::size_t index) const;
 
     /// Calls visit(index) for lights whose bounds a ray (unit direction) meets before `tMax`.
     template<class Visit>
@@ -57,13 +59,17 @@ private:
         Box3f bounds;
         float power = 0;
         int left = -1, right = -1; ///< right < 0: a light
+        int above = -1;
         std::size_t index = 0;
     };
+    /// Of the left one of a node's two.
+    float leftShare(const Node& node, const Vec3f& point, const Vec3f& normal) const;
     int build(std::vector<TreeLight>& lights, std::size_t begin, std::size_t end);
     static float importance(const Node& node, const Vec3f& point, const Vec3f& normal);
     static bool meets(const Box3f& box, const Vec3f& origin, const Vec3f& direction, float tMax);
 
     std::vector<Node> nodes_;
+    std::vector<int> leaf_; ///< node by index of the light
 };
 
 } // namespace stf

@@ -2,6 +2,7 @@
 #include "stfLib/render/plain_shader.h"
 
 #include "stfLib/base/hemisphere.h"
+#include "stfLib/render/shell_glow.h"
 
 namespace stf {
 
@@ -100,6 +101,18 @@ Rgb PlainShader::direct(const Vertex& v, const PreviewBsdf& bsdf, int domeDirect
     return sum;
 }
 
+Rgb PlainShader::glow(const Vertex& v, const PreviewBsdf& bsdf, PixelSampler& sampler) {
+    const float pick = sampler.next1d();
+    const LightSample light = scene_.glow->sample(v.point, v.z, pick, sampler.next2d());
+    const float cosine = dot(v.z, light.towards);
+    if (!(cosine > 0) || !(maxComponent(light.irradiance) > 0)) {
+        return Rgb(0.0f);
+    }
+    const Vec3f in = v.toLocal(light.towards);
+    const Rgb share = bsdf.evaluate(v.out, in) * (cosine * light.density / (light.density + bsdf.density(v.out, in)));
+    return maxComponent(share) > 0 ? light.irradiance * share * rays_.visibility(v.origin, light, &sampler) : Rgb(0.0f);
+}
+
 // What a path takes of the emission that it meets: samples of lights find the meshes among them as well.
 float PlainShader::emissionShare(const LightPath& path, const PreparedInstance& instance, const RayHit& hit) const {
     if (path.seen() || path.lights == LightPath::Lights::All || scene_.lights.meshCount() == 0) {
@@ -162,6 +175,10 @@ PlainShader::Step PlainShader::shade(LightPath& path, const PreparedInstance& in
     if (!onward && !shared) {
         return step;
     }
+    const bool glowing = onward && scene_.glow && path.seen();
+    if (glowing) {
+        step.radiance += glow(v, bsdf, sampler) * weight;
+    }
     const PreviewBsdf::Sample s = bsdf.sample(v.out, glossy ? sampler.next1d() : 0.0f, sampler.next2d());
     const Vec3f towards = v.toWorld(s.in);
     if (!(maxComponent(s.weight) > 0) || !(dot(towards, v.geometric) > 0)) {
@@ -176,6 +193,7 @@ PlainShader::Step PlainShader::shade(LightPath& path, const PreparedInstance& in
     path.lightsOnly = !onward;
     path.density = s.density;
     path.domeSamples = domes;
+    path.glowShared = glowing;
     path.normal = v.z;
     path.shadowless = true;
     path.ray = Ray();

@@ -68,6 +68,8 @@ private:
     /// the surface sends counts by `weight`.
     static bool goesThrough(const Vertex& vertex, const PreviewBsdf& bsdf, Rgb& throughput, float& weight,
                             PixelSampler& sampler);
+    /// What leaves shells, by one sample of it, where a ray looks for it as well.
+    Rgb glow(const Vertex& vertex, const PreviewBsdf& bsdf, PixelSampler& sampler);
     Rgb direct(const Vertex& vertex, const PreviewBsdf& bsdf, int domeDirections, bool shared, PixelSampler& sampler);
 
     const PreparedScene& scene_;

@@ -13,6 +13,8 @@
 
 namespace stf {
 
+class ShellGlow;
+
 /// A mesh ready for rendering: a shell where a base volume is bound, else a surface with its displayColor.
 struct PreparedMesh {
     std::shared_ptr<const RefinedSurface> surface;
@@ -59,6 +61,7 @@ struct PreparedScene {
     bool surfacesBounce = false;             ///< some plain surface sends light on
     bool shellsSeeOthers = false;            ///< some surface sends light to shells
     bool keepsDomes = false;                 ///< in `indirect` of instances there is the light of smooth domes, too
+    std::shared_ptr<const ShellGlow> glow;   ///< what leaves shells, as lights for plain surfaces; null: none
     bool irradianceCache = true;             ///< shells read that light where it is kept; else paths look for it
     int maxDepth = 0;                        ///< bounces off plain surfaces along a path
     bool regularize = true;                  ///< light_path.h

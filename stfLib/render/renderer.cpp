@@ -527,13 +527,13 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
 }
 
 void Renderer::Impl::balanceLight(Progress& progress) {
+    scene->maxDepth = settings.maxDepth;
+    scene->irradianceCache = settings.irradianceCache;
     if (traces()) {
         scenePlan.push_back({"scene", "core", false, "path traced", 0});
         scenePlan.push_back({"scene", "indirect", false, "path traced", 0});
         return;
     }
-    scene->maxDepth = settings.maxDepth;
-    scene->irradianceCache = settings.irradianceCache;
     const LightBalance::Report r = balance.solve(*scene, settings.maxDepth > 0, settings.seed, progress);
     stats.coreSeconds += r.coreSeconds;
     stats.indirectSeconds += r.indirectSeconds;

@@ -15,6 +15,8 @@ constexpr float kRouletteBelow = 0.01f;
 constexpr float kSameDirection = 1e-6f;
 /// Added modulo 1 from step to step: multiples of the golden ratio spread evenly over [0, 1), however many.
 constexpr float kGolden = 0.618034f;
+/// Steps of a path that single scattering is taken at.
+constexpr int kSinglePicks = 4;
 
 const FactoredField* ifAny(const FactoredField& field) {
     return field.empty() ? nullptr : &field;
@@ -64,9 +66,10 @@ void TileMarch::begin(PixelSampler& sampler, Vec2f shift) {
     pick_ = sampler.next2d();
     transmittance_ = Rgb(1.0f);
     sum_ = {};
-    chosen_ = {};
-    weightSum_ = 0;
-    ended_ = framed_ = chosenHere_ = false;
+    candidates_.clear();
+    places_.clear();
+    frame_ = 0;
+    ended_ = framed_ = frameKept_ = false;
     place_ = {};
 }
 
@@ -75,45 +78,51 @@ void TileMarch::setBlend(const BlendPlace& place) {
 }
 
 void TileMarch::setFrame(const MarchLight* lights, int count, const Vec3f& towardsViewer) {
-    bool same = framed_ && std::size_t(count) == lights_.size() && sameDirection(viewer_, towardsViewer);
+    if (frames_.empty()) {
+        frames_.emplace_back();
+    }
+    const Frame& now = frames_[frame_];
+    bool same = framed_ && std::size_t(count) == now.lights.size() && sameDirection(now.viewer, towardsViewer);
     for (int l = 0; l < count && same; ++l) {
-        const MarchLight &a = lights[l], &b = lights_[std::size_t(l)];
+        const MarchLight &a = lights[l], &b = now.lights[std::size_t(l)];
         same = sameDirection(a.towards, b.towards) && a.forSingle == b.forSingle && a.forMultiple == b.forMultiple;
     }
     if (same) {
         return;
     }
-    if (chosenHere_) {
-        chosenLights_.swap(lights_);
-        chosenViewer_ = viewer_;
-        chosenHere_ = false;
+    if (frameKept_) {
+        frameKept_ = false;
+        if (++frame_ == frames_.size()) {
+            frames_.emplace_back();
+        }
     }
-    lights_.assign(lights, lights + count);
-    viewer_ = towardsViewer;
+    frames_[frame_].lights.assign(lights, lights + count);
+    frames_[frame_].viewer = towardsViewer;
     framed_ = true;
     foldFrame();
 }
 
 void TileMarch::foldFrame() {
+    const auto& [lights, viewer] = frames_[frame_];
     wantsSingle_ = false;
-    for (const MarchLight& l : lights_) {
+    for (const MarchLight& l : lights) {
         wantsSingle_ = wantsSingle_ || (maxComponent(l.forSingle) > 0 && l.towards.z > 0);
     }
     if (multiple_) {
         foldedLights_.clear(*multiple_);
-        for (const MarchLight& l : lights_) {
+        for (const MarchLight& l : lights) {
             if (maxComponent(l.forMultiple) > 0) {
-                foldedLights_.add(*multiple_, table_.directions, l.towards, l.forMultiple, viewer_);
+                foldedLights_.add(*multiple_, table_.directions, l.towards, l.forMultiple, viewer);
             }
         }
     }
     if (single_) {
-        foldedSingle_.resize(std::max(foldedSingle_.size(), lights_.size()));
+        foldedSingle_.resize(std::max(foldedSingle_.size(), lights.size()));
         const Vec3f axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-        for (std::size_t l = 0; l < lights_.size(); ++l) {
+        for (std::size_t l = 0; l < lights.size(); ++l) {
             for (std::size_t a = 0; a < 3; ++a) {
                 foldedSingle_[l][a].clear(*single_);
-                foldedSingle_[l][a].add(*single_, table_.directions, lights_[l].towards, lights_[l].forSingle, axes[a]);
+                foldedSingle_[l][a].add(*single_, table_.directions, lights[l].towards, lights[l].forSingle, axes[a]);
             }
         }
     }
@@ -125,7 +134,7 @@ void TileMarch::foldFrame() {
 void TileMarch::foldOne(const FactoredField* field, FoldedLight& light) const {
     if (field) {
         light.clear(*field);
-        light.add(*field, DirectionSet(1, 1), {0, 0, 1}, Rgb(1.0f), viewer_);
+        light.add(*field, DirectionSet(1, 1), {0, 0, 1}, Rgb(1.0f), frames_[frame_].viewer);
     }
 }
 
@@ -272,14 +281,15 @@ FieldValue TileMarch::fieldAt(const Vec3f& p, const TileMedium::Voxel& voxel, st
 // mean direction, widened as the directions are. A Henyey-Greenstein spread of mean cosine r = |F| / I, seen through
 // the phase function g, is the one of g r: exact for parallel light and in the first moment for any.
 Rgb TileMarch::storedSingle(std::size_t item, float g) const {
+    const auto& [lights, viewer] = frames_[frame_];
     Rgb radiance(0.0f);
-    for (std::size_t l = 0; l < lights_.size(); ++l) {
+    for (std::size_t l = 0; l < lights.size(); ++l) {
         const AxisLight& axes = foldedSingle_[l];
         if (axes[0].dark()) {
             continue;
         }
         const FieldValue x = single_->at(item, axes[0]);
-        Vec3f direction = -lights_[l].towards; // without flux no voxel turns light one way more than another
+        Vec3f direction = -lights[l].towards; // without flux no voxel turns light one way more than another
         float concentration = 1;
         if (single_->hasFlux()) {
             const Vec3f flux{sum(x.fluxAlong), sum(single_->at(item, axes[1]).fluxAlong),
@@ -288,7 +298,7 @@ Rgb TileMarch::storedSingle(std::size_t item, float g) const {
             concentration = total > 0 ? std::min(1.0f, net / total) : 0.0f;
             direction = net > 0 ? flux / net : direction;
         }
-        radiance += x.fluence * henyeyGreenstein(g * concentration, direction, viewer_);
+        radiance += x.fluence * henyeyGreenstein(g * concentration, direction, viewer);
     }
     return radiance;
 }
@@ -332,17 +342,7 @@ bool TileMarch::step(int index, const Vec3f& position, const Vec3f& perMm, float
             }
         }
         if (candidates) {
-            // Weighted reservoir of one (Chao 1982): in the end each step was chosen with probability weight / sum.
-            const float weight = average(scattered);
-            weightSum_ += weight;
-            if (pick_.x * weightSum_ < weight) {
-                pick_.x = pick_.x * weightSum_ / weight; // uniform again
-                chosen_ = {transmittance_, position + perMm * a, perMm, h, weight, m, place_};
-                chosenHere_ = true;
-            } else {
-                pick_.x = (pick_.x * weightSum_ - weight) / std::max(weightSum_ - weight, 1e-30f);
-            }
-            pick_.x = std::clamp(pick_.x, 0.0f, 0.99999994f);
+            offer(m, position + perMm * a, perMm, h, average(scattered));
         }
     }
 
@@ -446,64 +446,91 @@ TileMarch::Segment TileMarch::segmentToRelief(Vec3f position, const Vec3f& perMm
 void TileMarch::branch(const Rgb& transmittance) {
     transmittance_ = transmittance;
     sum_ = {};
-    chosen_ = {};
-    weightSum_ = 0;
-    ended_ = chosenHere_ = false;
+    candidates_.clear();
+    places_.clear();
+    ended_ = frameKept_ = false;
 }
 
-// Of the chosen step: a blend is the same all the way.
-UncollidedLight TileMarch::uncollided(const Vec3f& p, const Vec3f& towards) const {
+void TileMarch::offer(const TileMedium::Voxel& m, const Vec3f& position, const Vec3f& perMm, float lengthMm,
+                      float weight) {
+    if (blend_) {
+        places_.push_back(place_);
+    }
+    const float before = candidates_.empty() ? 0.0f : candidates_.back().upTo;
+    candidates_.push_back({transmittance_, position, perMm, lengthMm, weight, before + weight, m.extinction,
+                           m.scattering, m.g, std::uint32_t(frame_),
+                           std::uint32_t(places_.empty() ? 0 : places_.size() - 1)});
+    frameKept_ = true;
+}
+
+// A blend is the same all the way.
+UncollidedLight TileMarch::uncollided(const Candidate& step, const Vec3f& p, const Vec3f& towards) const {
     if (!blend_) {
         return medium_.uncollided(p, towards);
     }
     const Vec3d& mm = medium_.voxelMm();
     const std::size_t columns = std::size_t(medium_.size().x) * std::size_t(medium_.size().y);
+    const BlendPlace& place = places_[step.place];
     return medium_.uncollided(p, towards, [&](const Vec3f& from, const Vec3f& way) {
         Rgb depth(0.0f);
         const Vec3f d{float(way.x / mm.x), float(way.y / mm.y), float(-way.z / mm.z)};
         const float endless = 1e5f * float(mm.z * medium_.size().z);
         medium_.traverse(from, d, endless, [&](int index, float a, float b) {
             const Vec3f middle = from + d * (0.5f * (a + b));
-            depth += blend_->voxel(columnsAt(middle, chosen_.place), chosen_.place, int(std::size_t(index) / columns))
-                         .extinction *
-                     (b - a);
+            depth +=
+                blend_->voxel(columnsAt(middle, place), place, int(std::size_t(index) / columns)).extinction * (b - a);
             return true;
         });
         return depth;
     });
 }
 
-// A point of the chosen step by the free flight of one channel, weighted by the mean density of all three, so that no
-// weight exceeds three whatever the channels' extinctions are (one-sample balance heuristic; Wilkie et al. 2014, "Hero
+// A point of a step by the free flight of one channel, weighted by the mean density of all three, so that no weight
+// exceeds three whatever the channels' extinctions are (one-sample balance heuristic; Wilkie et al. 2014, "Hero
 // Wavelength Spectral Sampling"). Single scattering has the true phase function and the light's own attenuation through
 // the tile.
-Rgb TileMarch::chosenSingle() const {
-    Rgb single(0.0f);
-    if (!(chosen_.weight > 0)) {
-        return single;
-    }
-    const TileMedium::Voxel& m = chosen_.voxel;
-    const float h = chosen_.lengthMm, u = flightPick_;
+Rgb TileMarch::singleAt(const Candidate& c, float channel, float u) const {
+    const float h = c.lengthMm;
     const auto density = [&](float k, float x) {
         return k * h > 1e-4f ? k * std::exp(-k * x) / -std::expm1(-k * h) : 1 / h;
     };
-    const float kappa = m.extinction[std::min(2, int(pick_.y * 3))];
+    const float kappa = c.extinction[std::min(2, int(channel * 3))];
     const float s = kappa * h > 1e-4f ? std::min(h, -std::log1p(u * std::expm1(-kappa * h)) / kappa) : u * h;
-    const float mean = (density(m.extinction.x, s) + density(m.extinction.y, s) + density(m.extinction.z, s)) / 3;
-    const Rgb path = chosen_.transmittance * exp(-m.extinction * s) * m.scattering *
-                     (weightSum_ / chosen_.weight / std::max(mean, 1e-30f));
-    const Vec3f p = chosen_.position + chosen_.perMm * s;
-    const Vec3f& viewer = chosenHere_ ? viewer_ : chosenViewer_;
-    for (const MarchLight& l : chosenHere_ ? lights_ : chosenLights_) {
+    const float mean = (density(c.extinction.x, s) + density(c.extinction.y, s) + density(c.extinction.z, s)) / 3;
+    const Rgb path = c.transmittance * exp(-c.extinction * s) * c.scattering / std::max(mean, 1e-30f);
+    const Vec3f p = c.position + c.perMm * s;
+    const auto& [lights, viewer] = frames_[c.frame];
+    Rgb single(0.0f);
+    for (const MarchLight& l : lights) {
         if (!(l.towards.z > 0) || !(maxComponent(l.forSingle) > 0)) {
             continue;
         }
-        const UncollidedLight light = uncollided(p, l.towards);
-        single += path * l.forSingle * light.fraction * henyeyGreenstein(m.g, -light.towards, viewer);
+        const UncollidedLight light = uncollided(c, p, l.towards);
+        single += path * l.forSingle * light.fraction * henyeyGreenstein(c.g, -light.towards, viewer);
         if (medium_.openBottom()) {
             const Vec3f up{-light.towards.x, -light.towards.y, light.towards.z};
-            single += path * l.forSingle * light.reflected * henyeyGreenstein(m.g, up, viewer);
+            single += path * l.forSingle * light.reflected * henyeyGreenstein(c.g, up, viewer);
         }
+    }
+    return single;
+}
+
+// At steps in proportion to their weights, evenly spread along the path (systematic resampling, Kitagawa 1996).
+Rgb TileMarch::chosenSingle() const {
+    Rgb single(0.0f);
+    if (candidates_.empty()) {
+        return single;
+    }
+    const float all = candidates_.back().upTo;
+    std::size_t at = 0;
+    for (int i = 0; i < kSinglePicks; ++i) {
+        const float wanted = (float(i) + pick_.x) * (all / float(kSinglePicks));
+        while (at + 1 < candidates_.size() && candidates_[at].upTo <= wanted) {
+            ++at;
+        }
+        const auto turned = [&](float u) { return u + float(i) * kGolden - std::floor(u + float(i) * kGolden); };
+        const Candidate& c = candidates_[at];
+        single += singleAt(c, turned(pick_.y), turned(flightPick_)) * (all / (c.weight * float(kSinglePicks)));
     }
     return single;
 }

@@ -36,7 +36,7 @@ struct ReliefMeeting {
 /// with I, F the fluence and net flux of the table: I_m of the lights, I_b of the core and of the emission; kappa'
 /// attenuates. Steps end where tile voxels do and are integrated in closed form (optics/step_weights.h).
 ///
-/// Multiple scattering is summed over all steps. Single scattering is taken at one step, chosen by its weight
+/// Multiple scattering is summed over all steps. Single scattering is taken at a few of them, chosen by their weights
 /// (unbiased), with the light's own attenuation through the tile; only where the table stores it (under a refracting
 /// relief) it is summed over all steps as well.
 ///
@@ -102,9 +102,16 @@ private:
     struct Candidate {
         Rgb transmittance;     // in front of the step
         Vec3f position, perMm; // of its start
-        float lengthMm = 0, weight = 0;
-        TileMedium::Voxel voxel; // where weight > 0
-        BlendPlace place;
+        float lengthMm;
+        float weight, upTo; // of this step; of all until then with it
+        Rgb extinction, scattering;
+        float g;
+        std::uint32_t frame, place; // numbers; place: where there is a blend
+    };
+    // What holds for the steps of one direction through the tile.
+    struct Frame {
+        std::vector<MarchLight> lights;
+        Vec3f viewer;
     };
     // What one or, in a blend, three places of the table hold.
     struct Items {
@@ -126,8 +133,10 @@ private:
     FieldValue valueAt(const Items& items, const Rgb& coreRadiance) const;
     FieldValue fieldAt(const Vec3f& position, const TileMedium::Voxel& voxel, std::size_t& item,
                        const Rgb& coreRadiance);
-    UncollidedLight uncollided(const Vec3f& position, const Vec3f& towards) const;
+    UncollidedLight uncollided(const Candidate& step, const Vec3f& position, const Vec3f& towards) const;
     Rgb storedSingle(std::size_t item, float g) const;
+    void offer(const TileMedium::Voxel& voxel, const Vec3f& position, const Vec3f& perMm, float lengthMm, float weight);
+    Rgb singleAt(const Candidate& step, float channel, float flight) const;
     Rgb chosenSingle() const;
 
     const TileMedium& medium_;
@@ -145,15 +154,16 @@ private:
     float slopePick_ = 0, flightPick_ = 0;
     Rgb transmittance_{1.0f};
     TileRadiance sum_;
-    Candidate chosen_;
-    float weightSum_ = 0;
+    std::vector<Candidate> candidates_;
+    std::vector<BlendPlace> places_; // of candidates
     bool ended_ = false;
 
-    // Of the frame; the chosen step keeps that in which it was taken.
+    // Of the frame; candidates keep that in which they were met.
     BlendPlace place_;
-    bool framed_ = false, chosenHere_ = false, wantsSingle_ = false;
-    std::vector<MarchLight> lights_, chosenLights_;
-    Vec3f viewer_, chosenViewer_;
+    bool framed_ = false, wantsSingle_ = false;
+    std::vector<Frame> frames_; // used again from path to path
+    std::size_t frame_ = 0;     // the present one
+    bool frameKept_ = false;    // by a candidate
     FoldedLight foldedLights_, foldedCore_, foldedEmission_;
     std::vector<AxisLight> foldedSingle_;
 };

@@ -80,6 +80,32 @@ TEST(LightTree, ChoosingIsUnbiased) {
     EXPECT_NEAR(many.mean, exact(lights, {0, 0, 0}, up), 4 * many.error);
 }
 
+// Chances of all lights sum to one, and each is what choosing it comes with, above and below the horizon.
+TEST(LightTree, TellsTheChanceOfEachLight) {
+    std::vector<TreeLight> lights;
+    CounterRng rng(4, 2);
+    for (std::size_t i = 0; i < 37; ++i) {
+        TreeLight l;
+        const Vec3f at{4 * rng.uniform() - 2, 4 * rng.uniform() - 2, 4 * rng.uniform() - 2};
+        l.bounds.add(at);
+        l.bounds.add(at + Vec3f(0.2f));
+        l.power = i == 5 ? 0.0f : rng.uniform();
+        l.index = 36 - i;
+        lights.push_back(l);
+    }
+    const LightTree tree(lights);
+    const Vec3f point(0.1f, -0.3f, 0.2f), normal(0, 0.6f, 0.8f);
+    double sum = 0;
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        sum += double(tree.chance(point, normal, i));
+    }
+    EXPECT_NEAR(sum, 1, 1e-5);
+    for (int k = 0; k < 1000; ++k) {
+        const LightTree::Choice c = tree.choose(point, normal, (float(k) + 0.5f) / 1000);
+        EXPECT_NEAR(tree.chance(point, normal, c.index), c.chance, 1e-6f + 1e-5f * c.chance);
+    }
+}
+
 TEST(LightTree, IsBetterThanChance) {
     const LightSet lights(spheres(500, 4), {});
     const Vec3f up{0, 0, 1};

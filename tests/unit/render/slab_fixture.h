@@ -29,6 +29,8 @@ struct Slab {
     double lightCosine = 1;
     int layersPerMm = 10;
     double ceilingMm = 0; ///< how high above it hangs another such slab that faces it; 0: there is none
+    /// The slab below, which is seen, is a plain matte surface of this colour, and only the ceiling a shell; 0: not.
+    double plainColor = 0;
     bool relief = false;
     std::function<void(BaseVolume&)> shape; ///< changes the volume; empty: nothing
     double viewMm = 0.4;                    ///< width of what the camera sees
@@ -177,7 +179,13 @@ private:
         binding.coreSigmaA = Rgb(float(1 - coreAlbedo));
         binding.coreSigmaSPrime = Rgb(float(coreAlbedo));
         binding.coreModel = coreAlbedo > 0 ? "dipole" : "none";
-        scene.setStf("/slab", binding);
+        if (plainColor > 0) {
+            auto plain = squareMesh({0, 0, 0}, {40, 0, 0}, {0, 40, 0});
+            plain.colors = {Rgb(float(plainColor))};
+            scene.setMesh("/slab", plain, 0);
+        } else {
+            scene.setStf("/slab", binding);
+        }
         scene.setInstances("/slab", {MeshInstance()});
         if (ceilingMm > 0) {
             scene.setMesh("/ceiling", squareMesh({0, 0, float(ceilingMm)}, {40, 0, 0}, {0, -40, 0}), 0);
