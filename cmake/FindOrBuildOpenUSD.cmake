@@ -4,7 +4,7 @@
 # (likewise), /usr/local, /usr. Include this from the top-level CMakeLists.txt: OpenUSD's imported targets (hd, usdImaging,
 # tf, ...) have no namespace and are seen only in the folder of the find_package call and below it.
 #
-# Sets HDSTF_OPENUSD_ROOT, HDSTF_OPENUSD_VERSION (20.08 as in the release's name, 26.11, ...).
+# Sets HDSTF_OPENUSD_ROOT.
 #
 # OpenUSD's targets bring the include folder of the TBB it was built with; for 20.08 that is the classic TBB, while
 # OpenVDB and Embree use oneTBB. Nothing that includes OpenVDB may link one of these targets.
@@ -86,17 +86,4 @@ find_package(pxr REQUIRED CONFIG NO_CMAKE_PACKAGE_REGISTRY)
 if(NOT TARGET hd OR NOT TARGET usdImaging)
     message(FATAL_ERROR "OpenUSD in ${_found} does not export the targets hd and usdImaging (a monolithic build?)")
 endif()
-
-list(GET PXR_INCLUDE_DIRS 0 _include)
-file(STRINGS "${_include}/pxr/pxr.h" _lines REGEX "#define PXR_(MINOR|PATCH)_VERSION [0-9]+")
-string(REGEX REPLACE ".*PXR_MINOR_VERSION ([0-9]+).*" "\\1" _minor "${_lines}")
-string(REGEX REPLACE ".*PXR_PATCH_VERSION ([0-9]+).*" "\\1" _patch "${_lines}")
-if(_patch MATCHES "^[0-9]$")
-    string(PREPEND _patch 0)
-endif()
-set(HDSTF_OPENUSD_VERSION ${_minor}.${_patch})
 set(HDSTF_OPENUSD_ROOT "${_found}")
-if(HDSTF_OPENUSD_VERSION VERSION_LESS 20.08)
-    message(FATAL_ERROR "OpenUSD ${HDSTF_OPENUSD_VERSION} in ${_found} is too old: 20.08 or later is needed.")
-endif()
-message(STATUS "OpenUSD ${HDSTF_OPENUSD_VERSION}: ${_found}")

@@ -30,14 +30,18 @@ void HdStfCamera::Sync(HdSceneDelegate* sceneDelegate, HdRenderParam* renderPara
     }
     const stf::Shutter before = _optics.shutter;
     _PullOptics(sceneDelegate);
+    // Prims sync after the cameras.
+    static_cast<HdStfRenderParam*>(renderParam)->SetShutter(GetId(), _optics.shutter);
     _PullMotion(sceneDelegate);
     if (!(_optics.shutter == before)) {
-        // How prims move was asked for another time; they sync after the cameras.
-        if (_optics.shutter.blurs()) {
-            static_cast<HdStfRenderParam*>(renderParam)->SetShutterOpens();
-        }
+        // How prims move was asked for another time.
         sceneDelegate->GetRenderIndex().GetChangeTracker().MarkAllRprimsDirty(HdChangeTracker::DirtyTransform);
     }
+}
+
+void HdStfCamera::Finalize(HdRenderParam* renderParam) {
+    static_cast<HdStfRenderParam*>(renderParam)->SetShutter(GetId(), {});
+    HdCamera::Finalize(renderParam);
 }
 
 void HdStfCamera::_PullOptics(HdSceneDelegate* sceneDelegate) {
@@ -57,7 +61,7 @@ void HdStfCamera::_PullMotion(HdSceneDelegate* sceneDelegate) {
     if (!_optics.shutter.blurs()) {
         return;
     }
-    for (auto const& [time, matrix] : HdStfSampleTransform(sceneDelegate, GetId())) {
+    for (auto const& [time, matrix] : HdStfSampleTransform(sceneDelegate, GetId(), _optics.shutter)) {
         // As UsdImaging makes the view matrix: scale and shear of the prim are none of the camera's.
         GfFrustum frustum;
         frustum.SetPositionAndRotationFromMatrix(matrix);

@@ -23,6 +23,7 @@ public:
     stf::CameraOptics const& GetOptics() const { return _optics; }
 
     void Sync(HdSceneDelegate* sceneDelegate, HdRenderParam* renderParam, HdDirtyBits* dirtyBits) override;
+    void Finalize(HdRenderParam* renderParam) override;
     HdDirtyBits GetInitialDirtyBitsMask() const override { return AllDirty; }
 
 private:

@@ -24,6 +24,13 @@
 #define HDSTF_HAS_IMPLICIT_SURFACES (HD_API_VERSION >= 54)
 /// Render pass states have SetCamera and SetFraming (from 23.08).
 #define HDSTF_HAS_SET_FRAMING (HD_API_VERSION >= 54)
+/// UsdImaging has scene indices for stages (from 23.11), and a scene index in which a host sets the level of refinement
+/// of all prims, as `SetRefineLevelFallback` from 26.05 on.
+#define HDSTF_HAS_STAGE_SCENE_INDICES (HD_API_VERSION >= 56)
+#define HDSTF_HAS_REFINE_LEVEL_FALLBACK (HD_API_VERSION >= 97)
+/// Transforms and primvars are sampled over an interval that the renderer names (from 24.08); before that over the
+/// shutter of the camera that the host named to UsdImaging, and under scene indices not at all.
+#define HDSTF_HAS_SAMPLING_INTERVAL (HD_API_VERSION >= 68)
 /// Light parameters are read by the attribute's literal name, so that `inputs:` has to be asked for (to 20.11).
 #define HDSTF_LIGHT_PARAMS_ARE_ATTRIBUTES (HD_API_VERSION < 36)
 /// A light's transform is one of its parameters; GetTransform is a coding error (20.08 only).

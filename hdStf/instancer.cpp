@@ -126,14 +126,15 @@ void HdStfInstancer::_PullPrimvarsIfDirty() {
 #endif
 
 VtMatrix4dArray HdStfInstancer::ComputeInstanceTransforms(SdfPath const& prototypeId) {
-    return _ComputeTransforms(prototypeId, _When::Present, nullptr, nullptr);
+    return _ComputeTransforms(prototypeId, _When::Present, {}, nullptr, nullptr);
 }
 
-std::vector<HdStfMatrixSamples> HdStfInstancer::ComputeInstanceMotion(SdfPath const& prototypeId) {
+std::vector<HdStfMatrixSamples> HdStfInstancer::ComputeInstanceMotion(SdfPath const& prototypeId,
+                                                                      stf::Shutter const& shutter) {
     double open = 0;
     double close = 0;
-    const VtMatrix4dArray first = _ComputeTransforms(prototypeId, _When::First, &open, &close);
-    const VtMatrix4dArray last = _ComputeTransforms(prototypeId, _When::Last, &open, &close);
+    const VtMatrix4dArray first = _ComputeTransforms(prototypeId, _When::First, shutter, &open, &close);
+    const VtMatrix4dArray last = _ComputeTransforms(prototypeId, _When::Last, shutter, &open, &close);
     std::vector<HdStfMatrixSamples> motion;
     if (open < close && first.size() == last.size() && first != last) {
         motion.resize(first.size());
@@ -146,12 +147,12 @@ std::vector<HdStfMatrixSamples> HdStfInstancer::ComputeInstanceMotion(SdfPath co
     return motion;
 }
 
-HdStfInstancer::_Ends HdStfInstancer::_SampleEnds() {
+HdStfInstancer::_Ends HdStfInstancer::_SampleEnds(stf::Shutter const& shutter) {
     SdfPath const& id = GetId();
     _Ends ends;
     std::lock_guard<std::mutex> lock(_mutex);
     ends.first.primvars = ends.last.primvars = _primvars;
-    const HdStfMatrixSamples transforms = HdStfSampleInstancerTransform(GetDelegate(), id);
+    const HdStfMatrixSamples transforms = HdStfSampleInstancerTransform(GetDelegate(), id, shutter);
     ends.first.transform = ends.last.transform = GetDelegate()->GetInstancerTransform(id);
     if (!transforms.empty()) {
         ends.first.transform = transforms.front().second;
@@ -165,8 +166,26 @@ HdStfInstancer::_Ends HdStfInstancer::_SampleEnds() {
             continue;
         }
         HdTimeSampleArray<VtValue, 16> samples;
+        const auto sizesDiffer = [&samples] {
+            return samples.count < 2 ||
+                   samples.values[0].GetArraySize() != samples.values[samples.count - 1].GetArraySize();
+        };
+        VtValue* last = _Slot(ends.last.primvars, primvar.name.GetString());
+#if HDSTF_HAS_SAMPLING_INTERVAL
+        const float open = static_cast<float>(shutter.open);
+        const float close = static_cast<float>(shutter.close);
+        GetDelegate()->SamplePrimvar(id, primvar.name, open, close, &samples);
+        if (sizesDiffer()) {
+            continue;
+        }
+        // Samples may be those authored before and after.
+        *first = samples.Resample(open);
+        *last = samples.Resample(close);
+        ends.open = std::min(ends.open, shutter.open);
+        ends.close = std::max(ends.close, shutter.close);
+#else
         GetDelegate()->SamplePrimvar(id, primvar.name, &samples);
-        if (samples.count < 2 || samples.values[0].GetArraySize() != samples.values[samples.count - 1].GetArraySize()) {
+        if (sizesDiffer()) {
             continue;
         }
         const auto [open, close] = std::minmax_element(samples.times.begin(), samples.times.begin() + samples.count);
@@ -174,16 +193,16 @@ HdStfInstancer::_Ends HdStfInstancer::_SampleEnds() {
             continue;
         }
         *first = samples.values[static_cast<size_t>(open - samples.times.begin())];
-        *_Slot(ends.last.primvars, primvar.name.GetString()) =
-            samples.values[static_cast<size_t>(close - samples.times.begin())];
+        *last = samples.values[static_cast<size_t>(close - samples.times.begin())];
         ends.open = std::min(ends.open, static_cast<double>(*open));
         ends.close = std::max(ends.close, static_cast<double>(*close));
+#endif
     }
     return ends;
 }
 
-VtMatrix4dArray HdStfInstancer::_ComputeTransforms(SdfPath const& prototypeId, _When when, double* open,
-                                                   double* close) {
+VtMatrix4dArray HdStfInstancer::_ComputeTransforms(SdfPath const& prototypeId, _When when, stf::Shutter const& shutter,
+                                                   double* open, double* close) {
 #if !HDSTF_HAS_INSTANCER_SYNC
     _PullPrimvarsIfDirty();
 #endif
@@ -191,7 +210,7 @@ VtMatrix4dArray HdStfInstancer::_ComputeTransforms(SdfPath const& prototypeId, _
     if (when == _When::Present) {
         state = {_primvars, GetDelegate()->GetInstancerTransform(GetId())};
     } else {
-        const _Ends ends = _SampleEnds();
+        const _Ends ends = _SampleEnds(shutter);
         state = when == _When::First ? ends.first : ends.last;
         *open = std::min(*open, ends.open);
         *close = std::max(*close, ends.close);
@@ -211,7 +230,8 @@ VtMatrix4dArray HdStfInstancer::_ComputeTransforms(SdfPath const& prototypeId, _
     if (!TF_VERIFY(parent)) {
         return transforms;
     }
-    const VtMatrix4dArray outer = static_cast<HdStfInstancer*>(parent)->_ComputeTransforms(GetId(), when, open, close);
+    const VtMatrix4dArray outer =
+        static_cast<HdStfInstancer*>(parent)->_ComputeTransforms(GetId(), when, shutter, open, close);
     VtMatrix4dArray flat(outer.size() * transforms.size());
     GfMatrix4d* result = flat.data();
     for (GfMatrix4d const& parentTransform : outer) {

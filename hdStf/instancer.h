@@ -40,9 +40,9 @@ public:
     /// One matrix per instance of \p prototypeId, instance to world (the prototype's own transform comes before).
     VtMatrix4dArray ComputeInstanceTransforms(SdfPath const& prototypeId);
 
-    /// Where each of those instances is when the shutter opens and when it closes (of the host's sampling camera), with
-    /// the times; empty where all of them are at rest. What is sampled in between is left aside.
-    std::vector<HdStfMatrixSamples> ComputeInstanceMotion(SdfPath const& prototypeId);
+    /// Where each of those instances is when the shutter opens and when it closes, with the times; empty where all of
+    /// them are at rest. What is sampled in between is left aside.
+    std::vector<HdStfMatrixSamples> ComputeInstanceMotion(SdfPath const& prototypeId, stf::Shutter const& shutter);
 
     /// What the primvars of one instance are worth: scale, then rotate, then translate, after instanceTransform. Values
     /// may be of any of the types hosts use (Vec4f real first, quaternions, float or half or double); empty ones and
@@ -64,8 +64,9 @@ private:
         double open = 0, close = 0;
     };
     enum class _When { Present, First, Last };
-    VtMatrix4dArray _ComputeTransforms(SdfPath const& prototypeId, _When when, double* open, double* close);
-    _Ends _SampleEnds();
+    VtMatrix4dArray _ComputeTransforms(SdfPath const& prototypeId, _When when, stf::Shutter const& shutter,
+                                       double* open, double* close);
+    _Ends _SampleEnds(stf::Shutter const& shutter);
     void _PullPrimvars(HdDirtyBits dirtyBits);
 #if !HDSTF_HAS_INSTANCER_SYNC
     void _PullPrimvarsIfDirty();

@@ -48,7 +48,7 @@ void HdStfMesh::Sync(HdSceneDelegate* sceneDelegate, HdRenderParam* renderParam,
     if (bits & HdChangeTracker::DirtyPrimvar) {
         _PullBinding(sceneDelegate, param, changes);
     }
-    _PullInstances(sceneDelegate, param.ShutterOpens(), bits, changes);
+    _PullInstances(sceneDelegate, param.GetShutter(), bits, changes);
     if (HdChangeTracker::IsVisibilityDirty(bits, id)) {
         _UpdateVisibility(sceneDelegate, dirtyBits);
         changes.visible = _visible != IsVisible();
@@ -87,7 +87,8 @@ TfToken HdStfMesh::_PullMaterial(HdSceneDelegate* sceneDelegate, HdDirtyBits dir
     return sprim ? static_cast<HdStfMaterial*>(sprim)->GetUvPrimvar() : TfToken();
 }
 
-void HdStfMesh::_PullInstances(HdSceneDelegate* sceneDelegate, bool moving, HdDirtyBits dirtyBits, _Changes& changes) {
+void HdStfMesh::_PullInstances(HdSceneDelegate* sceneDelegate, stf::Shutter const& shutter, HdDirtyBits dirtyBits,
+                               _Changes& changes) {
     SdfPath const& id = GetId();
     const bool transformDirty = HdChangeTracker::IsTransformDirty(dirtyBits, id);
     if (!transformDirty && !HdChangeTracker::IsInstancerDirty(dirtyBits, id) &&
@@ -102,8 +103,8 @@ void HdStfMesh::_PullInstances(HdSceneDelegate* sceneDelegate, bool moving, HdDi
         GetInstancerId().IsEmpty() ? nullptr : sceneDelegate->GetRenderIndex().GetInstancer(GetInstancerId());
     if (GetInstancerId().IsEmpty()) {
         stf::MeshInstance instance = {HdStfToTransform(_transform), 0, {}};
-        if (moving) {
-            for (auto const& [time, matrix] : HdStfSampleTransform(sceneDelegate, id)) {
+        if (shutter.blurs()) {
+            for (auto const& [time, matrix] : HdStfSampleTransform(sceneDelegate, id, shutter)) {
                 instance.motion.push_back({time, HdStfToTransform(matrix)});
             }
         }
@@ -111,8 +112,8 @@ void HdStfMesh::_PullInstances(HdSceneDelegate* sceneDelegate, bool moving, HdDi
     } else if (TF_VERIFY(instancer)) {
         const VtMatrix4dArray transforms = static_cast<HdStfInstancer*>(instancer)->ComputeInstanceTransforms(id);
         std::vector<HdStfMatrixSamples> motion;
-        if (moving) {
-            motion = static_cast<HdStfInstancer*>(instancer)->ComputeInstanceMotion(id);
+        if (shutter.blurs()) {
+            motion = static_cast<HdStfInstancer*>(instancer)->ComputeInstanceMotion(id, shutter);
         }
         motion.resize(transforms.size());
         instances.reserve(transforms.size());

@@ -67,7 +67,8 @@ private:
 
     void _PullBinding(HdSceneDelegate* sceneDelegate, HdStfRenderParam& param, _Changes& changes);
     TfToken _PullMaterial(HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits, _Changes& changes);
-    void _PullInstances(HdSceneDelegate* sceneDelegate, bool moving, HdDirtyBits dirtyBits, _Changes& changes);
+    void _PullInstances(HdSceneDelegate* sceneDelegate, stf::Shutter const& shutter, HdDirtyBits dirtyBits,
+                        _Changes& changes);
     void _Send(HdStfRenderParam& param, _Changes changes);
 
     HdStfMeshData _data;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStf/motionSamples.h"
 
+#include "hdStf/hydraCompat.h"
+
 #include "pxr/imaging/hd/sceneDelegate.h"
 
 #include <algorithm>
@@ -32,16 +34,23 @@ HdStfMatrixSamples _Collect(Sample const& sample) {
 
 } // namespace
 
-HdStfMatrixSamples HdStfSampleTransform(HdSceneDelegate* sceneDelegate, SdfPath const& id) {
-    return _Collect([&](size_t capacity, float* times, GfMatrix4d* matrices) {
-        return sceneDelegate->SampleTransform(id, capacity, times, matrices);
-    });
+#if HDSTF_HAS_SAMPLING_INTERVAL
+#define HDSTF_SAMPLE(method)                                                                                           \
+    sceneDelegate->method(id, static_cast<float>(shutter.open), static_cast<float>(shutter.close), capacity, times,    \
+                          matrices)
+#else
+#define HDSTF_SAMPLE(method) sceneDelegate->method(id, capacity, times, matrices)
+#endif
+
+HdStfMatrixSamples HdStfSampleTransform(HdSceneDelegate* sceneDelegate, SdfPath const& id,
+                                        [[maybe_unused]] stf::Shutter const& shutter) {
+    return _Collect([&](size_t capacity, float* times, GfMatrix4d* matrices) { return HDSTF_SAMPLE(SampleTransform); });
 }
 
-HdStfMatrixSamples HdStfSampleInstancerTransform(HdSceneDelegate* sceneDelegate, SdfPath const& id) {
-    return _Collect([&](size_t capacity, float* times, GfMatrix4d* matrices) {
-        return sceneDelegate->SampleInstancerTransform(id, capacity, times, matrices);
-    });
+HdStfMatrixSamples HdStfSampleInstancerTransform(HdSceneDelegate* sceneDelegate, SdfPath const& id,
+                                                 [[maybe_unused]] stf::Shutter const& shutter) {
+    return _Collect(
+        [&](size_t capacity, float* times, GfMatrix4d* matrices) { return HDSTF_SAMPLE(SampleInstancerTransform); });
 }
 
 PXR_NAMESPACE_CLOSE_SCOPE

@@ -90,7 +90,8 @@ size_t HdStfClearComponents(VtValue const& value, float components[4]) {
         return copy(VtValue::Cast<GfVec2f>(value).UncheckedGet<GfVec2f>());
     }
     if (value.CanCast<float>()) {
-        components[0] = VtValue::Cast<float>(value).UncheckedGet<float>();
+        const VtValue number = VtValue::Cast<float>(value);
+        components[0] = number.UncheckedGet<float>(); // of a temporary it would be moved from, which compilers warn of
         return 1;
     }
     return 0;

@@ -2,6 +2,7 @@
 #include "hdStf/renderDelegate.h"
 
 #include "hdStf/camera.h"
+#include "hdStf/hostInterface.h"
 #include "hdStf/instancer.h"
 #include "hdStf/light.h"
 #include "hdStf/material.h"
@@ -42,9 +43,11 @@ void HdStfRenderDelegate::_Initialize() {
         }
     }
     _PopulateDefaultSettings(_settingDescriptors);
+    HdStfAnnounceDelegate(this);
 }
 
 HdStfRenderDelegate::~HdStfRenderDelegate() {
+    HdStfRetireDelegate(this);
     _job.StopRender();
 }
 

@@ -3,13 +3,16 @@
 
 #include "hdStf/messages.h"
 #include "hdStf/renderJob.h"
+#include "stfLib/base/motion.h"
 #include "stfLib/render/scene.h"
 
 #include "pxr/imaging/hd/changeTracker.h"
 #include "pxr/imaging/hd/renderDelegate.h"
 #include "pxr/pxr.h"
+#include "pxr/usd/sdf/path.h"
 
 #include <atomic>
+#include <map>
 #include <mutex>
 
 PXR_NAMESPACE_OPEN_SCOPE
@@ -31,10 +34,11 @@ public:
     /// The scene's version; grows with each pass through the gate.
     int GetSceneVersion() const { return _sceneVersion.load(); }
 
-    /// Whether some camera's shutter is open for a while, so that it is worth asking how prims move. Cameras sync
-    /// before prims.
-    void SetShutterOpens() { _shutterOpens.store(true); }
-    bool ShutterOpens() const { return _shutterOpens.load(); }
+    /// When a camera's shutter is open; cameras sync before prims.
+    void SetShutter(SdfPath const& camera, stf::Shutter const& shutter);
+    /// From the first opening to the last closing of all cameras; does not blur where none does, so that it is not
+    /// worth asking how prims move.
+    stf::Shutter GetShutter() const;
 
     /// Has all rprims pull their primvars again, with this sync.
     void MarkPrimvarsDirty(HdChangeTracker& tracker);
@@ -50,7 +54,8 @@ private:
     HdStfMessages& _messages;
     std::mutex _gate;
     std::atomic<int> _sceneVersion{1};
-    std::atomic<bool> _shutterOpens{false};
+    mutable std::mutex _shutterMutex;
+    std::map<SdfPath, stf::Shutter> _shutters; // those that blur
 };
 
 PXR_NAMESPACE_CLOSE_SCOPE

@@ -75,7 +75,9 @@ bool HdStfRenderPass::_UpdateDrawnPrims(TfTokenVector const& renderTags) {
             continue;
         }
         const TfToken tag = index->GetRenderTag(id);
-        const bool tagged = std::find(renderTags.begin(), renderTags.end(), tag) != renderTags.end();
+        // As in Hydra's own lists: no tags at all choose everything. Blender's task has none.
+        const bool tagged =
+            renderTags.empty() || std::find(renderTags.begin(), renderTags.end(), tag) != renderTags.end();
         // GetRprim is const because tasks may not edit prims; which of them this pass draws is the pass's own matter.
         changed |= const_cast<HdStfMesh*>(mesh)->SetDrawn(tagged && _Collects(GetRprimCollection(), id), _param);
     }

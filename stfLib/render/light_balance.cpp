@@ -20,7 +20,7 @@ constexpr std::size_t kSamples = 24'000;           ///< of all shells together, 
 constexpr std::size_t kLeast = 300, kMost = 6'000; ///< of one
 constexpr std::size_t kRays = 1'000'000;           ///< of all samples
 constexpr int kLeastRays = 16, kMostRays = 128;    ///< of one
-constexpr int kViews = 8;                          ///< directions in which what leaves a sample is looked at
+constexpr int kViews = 4;                          ///< directions in which what leaves a sample is looked at
 constexpr int kMostRounds = 40;
 constexpr double kSettled = 0.005;   ///< of all light that leaves shells, what further rounds would change
 constexpr double kRareShells = 2e-4; ///< of all rays: below, shells do not light each other

@@ -11,7 +11,7 @@ namespace stf {
 
 constexpr int kMaxLightsPerPath = 4; // more are chosen from at random, so that cost stays bounded
 /// A dome is half hidden by the ground and by the object itself: several directions a path cost less than more paths.
-constexpr int kDomeDirections = 4;
+constexpr int kDomeDirections = 2;
 
 /// The rays of one thread through a prepared scene, counted.
 class SceneRays {

@@ -178,9 +178,9 @@ void Session::show(TestHost& host) const {
     host.setCamera(view.camera);
     host.setTime(view.time);
     host.setRenderTags(view.tags);
-    host.scene().SetRefineLevelFallback(view.refineFallback);
+    host.scene().setRefineLevelFallback(view.refineFallback);
     for (const auto& [path, level] : view.refine) {
-        host.scene().SetRefineLevel(path, level);
+        host.scene().setRefineLevel(path, level);
     }
     host.changeOutputs(view.aovs, view.width, view.height, view.frameWidth, view.frameHeight);
     for (const auto& [key, value] : view.settings) {

@@ -92,6 +92,9 @@ TEST(CameraOptics, ExposureDoublesColourPerStop) {
 
 // Meshes and the camera give their places while the shutter is open; opening it later asks for them again.
 TEST(Motion, TransformsAreSampledOverTheShutter) {
+    if (!TestHost::motionIsSampled()) {
+        GTEST_SKIP() << "this OpenUSD samples no motion of stages that come in by scene indices";
+    }
     TestHost host(cameraScene(R"(    double shutter:open = -0.25
     double shutter:close = 0.25)",
                               R"(    double3 xformOp:translate.timeSamples = { 0: (0, 0, 0), 10: (20, 0, 0) }
@@ -109,10 +112,17 @@ TEST(Motion, TransformsAreSampledOverTheShutter) {
     const UsdGeomCamera camera(host.stage->GetPrimAtPath(SdfPath("/Camera")));
     camera.GetShutterCloseAttr().Set(1.0);
     EXPECT_TRUE(host.restarts());
+    if (TestHost::byIndices()) {
+        GTEST_SKIP() << "a renderer cannot ask for prims of scene indices anew: they move as before until something "
+                        "dirties them";
+    }
     EXPECT_NEAR(samples().back().transform.translation.x, 10, 1e-6);
 }
 
 TEST(Motion, CamerasMove) {
+    if (!TestHost::motionIsSampled()) {
+        GTEST_SKIP() << "this OpenUSD samples no motion of stages that come in by scene indices";
+    }
     TestHost host(R"(#usda 1.0
 def Camera "Camera" {
     double shutter:open = 0
@@ -133,6 +143,9 @@ def Camera "Camera" {
 }
 
 TEST(Motion, InstancesOfPointInstancersMove) {
+    if (!TestHost::motionIsSampled()) {
+        GTEST_SKIP() << "this OpenUSD samples no motion of stages that come in by scene indices";
+    }
     TestHost host(cameraScene(R"(    double shutter:open = 0
     double shutter:close = 1)",
                               "", R"(def PointInstancer "Many" {

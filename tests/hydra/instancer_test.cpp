@@ -5,6 +5,8 @@
 
 #include "pxr/base/gf/quath.h"
 #include "pxr/base/gf/vec4f.h"
+#include "pxr/usd/usd/attribute.h"
+#include "pxr/usd/usd/prim.h"
 
 #include <gtest/gtest.h>
 

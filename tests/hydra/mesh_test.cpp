@@ -5,6 +5,8 @@
 
 #include "pxr/usd/usdGeom/mesh.h"
 
+#include "pxr/imaging/hd/tokens.h"
+
 #include <gtest/gtest.h>
 
 PXR_NAMESPACE_USING_DIRECTIVE
@@ -197,6 +199,18 @@ TEST(Mesh, PurposesThatAreNotAskedForAreNotDrawn) {
     const auto& meshes = host.delegate->GetScene().meshes();
     const auto it = meshes.find("/Guide");
     EXPECT_TRUE(it == meshes.end() || !it->second.visible);
+}
+
+// As in Hydra's own lists of prims; Blender's task has no tags.
+TEST(Mesh, TasksWithoutRenderTagsDrawAll) {
+    TestHost host(testScene());
+    host.execute();
+    host.setRenderTags({HdRenderTagTokens->guide});
+    host.execute();
+    EXPECT_FALSE(host.mesh("/Square").visible);
+    host.setRenderTags({});
+    host.execute();
+    EXPECT_TRUE(host.mesh("/Square").visible);
 }
 
 } // namespace

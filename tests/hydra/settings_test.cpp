@@ -23,6 +23,9 @@ TEST(Settings, ValuesTakeTheTypeOfTheDefault) {
     EXPECT_EQ(normalized("stf:samples", VtValue(std::string("16"))), VtValue(16));
     EXPECT_EQ(normalized("stf:tableSeed", VtValue(std::string("3"))), VtValue(3));
     EXPECT_EQ(normalized("stf:quality", VtValue(0.5)), VtValue(0.5f));
+    // Blender hands booleans over as integers.
+    EXPECT_EQ(normalized("stf:denoise", VtValue(1)), VtValue(true));
+    EXPECT_EQ(normalized("stf:motionBlur", VtValue(0L)), VtValue(false));
     EXPECT_EQ(normalized("stageMetersPerUnit", VtValue(1.0f)), VtValue(1.0));
     EXPECT_EQ(normalized("stf:transport", VtValue(TfToken("classic"))), VtValue(std::string("classic")));
 }

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "test_host.h"
 
+#include "hdStf/hydraCompat.h"
+
+#include "pxr/base/tf/getenv.h"
 #include "pxr/base/tf/stringUtils.h"
 #include "pxr/base/vt/dictionary.h"
 #include "pxr/imaging/hd/tokens.h"
@@ -19,6 +22,14 @@ extern "C" __attribute__((visibility("default"))) const char* __asan_default_opt
 #endif
 
 PXR_NAMESPACE_USING_DIRECTIVE
+
+bool TestHost::byIndices() {
+    return TfGetenvBool("HDSTF_TEST_SCENE_INDICES", false);
+}
+
+bool TestHost::motionIsSampled() {
+    return HDSTF_HAS_SAMPLING_INTERVAL || !byIndices();
+}
 
 class TestHost::Buffers final : public HdSceneDelegate {
 public:
@@ -51,10 +62,12 @@ TestHost::TestHost(const UsdStageRefPtr& stageToShow)
     : stage(stageToShow), delegate(std::make_unique<HdStfRenderDelegate>()) {
     index_.reset(HdRenderIndex::New(delegate.get(), {}));
     buffers_ = std::make_unique<Buffers>(index_.get());
-    scene_ = std::make_unique<UsdImagingDelegate>(index_.get(), SdfPath::AbsoluteRootPath());
-    scene_->Populate(stage->GetPseudoRoot());
-    scene_->SetCameraForSampling(SdfPath("/Camera"));
-    scene_->SetTime(UsdTimeCode::EarliestTime());
+    using stfrecord::StageScene;
+    scene_ = std::make_unique<StageScene>(*index_, stage,
+                                          byIndices() ? StageScene::Way::SceneIndices : StageScene::Way::Delegate,
+                                          std::vector<std::string>{"default", "render", "proxy", "guide"});
+    scene_->setCameraForSampling(SdfPath("/Camera"));
+    scene_->setTime(UsdTimeCode::EarliestTime());
 }
 
 TestHost::~TestHost() {
@@ -136,12 +149,12 @@ void TestHost::changeOutputs(const std::vector<std::string>& aovs, int width, in
 }
 
 void TestHost::setCamera(const std::string& path) {
-    scene_->SetCameraForSampling(SdfPath(path));
+    scene_->setCameraForSampling(SdfPath(path));
     task_->setCamera(SdfPath(path));
 }
 
 void TestHost::execute() {
-    scene_->ApplyPendingUpdates();
+    scene_->applyPendingUpdates();
     if (beforeSync) {
         beforeSync();
     }
@@ -189,7 +202,7 @@ std::string testScene(const std::string& squareProperties, const std::string& mo
     return R"(#usda 1.0
 def Camera "Camera" { double3 xformOp:translate = (0, 0, 5); uniform token[] xformOpOrder = ["xformOp:translate"]; }
 def DistantLight "Light" { float intensity = 1; float inputs:intensity = 1; float angle = 0; float inputs:angle = 0; }
-def Mesh "Square" {
+def Mesh "Square" ( prepend apiSchemas = ["MaterialBindingAPI"] ) {
     int[] faceVertexCounts = [4]
     int[] faceVertexIndices = [0, 1, 2, 3]
     point3f[] points = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]

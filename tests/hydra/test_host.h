@@ -5,11 +5,11 @@
 #include "hdStf/renderBuffer.h"
 #include "hdStf/renderDelegate.h"
 #include "tools/stfrecord/recordTask.h"
+#include "tools/stfrecord/stageScene.h"
 
 #include "pxr/imaging/hd/engine.h"
 #include "pxr/imaging/hd/renderIndex.h"
 #include "pxr/usd/usd/stage.h"
-#include "pxr/usdImaging/usdImaging/delegate.h"
 
 #include <functional>
 #include <map>
@@ -17,7 +17,8 @@
 #include <string>
 #include <vector>
 
-/// A Hydra host for tests: a stage in memory, UsdImaging, the delegate's own classes, one task.
+/// A Hydra host for tests: a stage in memory, UsdImaging, the delegate's own classes, one task. The stage comes in by
+/// UsdImaging's scene delegate, or by its scene indices where the environment says HDSTF_TEST_SCENE_INDICES=1.
 class TestHost {
 public:
     /// `usda` is the text of a layer; it needs a camera at /Camera.
@@ -27,19 +28,24 @@ public:
     explicit TestHost(const PXR_NS::UsdStageRefPtr& stageToShow);
     ~TestHost();
 
+    static bool byIndices();
+    /// Whether this OpenUSD gives transforms over a shutter, the way the stage comes in.
+    static bool motionIsSampled();
+
     PXR_NS::UsdStageRefPtr stage;
     std::unique_ptr<PXR_NS::HdStfRenderDelegate> delegate;
 
     /// New buffers of that size, as a host does when its window changes.
     void setOutputs(const std::vector<std::string>& aovs, int width, int height);
+    /// Which prims the task asks for; none: all of them.
+    void setRenderTags(const PXR_NS::TfTokenVector& tags) { task_->setRenderTags(tags); }
     /// The same for a frame of another size than that of the buffers.
     void setOutputs(const std::vector<std::string>& aovs, int width, int height, int frameWidth, int frameHeight);
     /// The same for the same pass: buffers that stay are resized, others come and go.
     void changeOutputs(const std::vector<std::string>& aovs, int width, int height, int frameWidth, int frameHeight);
-    void setTime(double time) { scene_->SetTime(PXR_NS::UsdTimeCode(time)); }
+    void setTime(double time) { scene_->setTime(PXR_NS::UsdTimeCode(time)); }
     void setCamera(const std::string& path);
-    void setRenderTags(const PXR_NS::TfTokenVector& tags) { task_->setRenderTags(tags); }
-    PXR_NS::UsdImagingDelegate& scene() { return *scene_; }
+    stfrecord::StageScene& scene() { return *scene_; }
     PXR_NS::HdRenderIndex& index() { return *index_; }
     /// Called between the scene delegate's updates and Hydra's sync, if there is one.
     std::function<void()> beforeSync;
@@ -64,7 +70,7 @@ private:
     void removeBuffers();
 
     std::unique_ptr<PXR_NS::HdRenderIndex> index_;
-    std::unique_ptr<PXR_NS::UsdImagingDelegate> scene_;
+    std::unique_ptr<stfrecord::StageScene> scene_;
     std::unique_ptr<Buffers> buffers_;
     PXR_NS::HdEngine engine_;
     std::shared_ptr<stfrecord::RecordTask> task_;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/stfrecord/host.h"
 
-#include "hdStf/hydraCompat.h"
 #include "tools/stfrecord/bufferReader.h"
 #include "tools/stfrecord/recordTask.h"
+#include "tools/stfrecord/stageScene.h"
 
 #include "pxr/base/arch/systemInfo.h"
 #include "pxr/base/plug/registry.h"
@@ -17,7 +17,6 @@
 #include "pxr/imaging/hd/rendererPluginRegistry.h"
 #include "pxr/imaging/hd/sceneDelegate.h"
 #include "pxr/imaging/hd/tokens.h"
-#include "pxr/usdImaging/usdImaging/delegate.h"
 
 #include <algorithm>
 #include <chrono>
@@ -50,7 +49,7 @@ struct Host::Impl {
     UsdStageRefPtr stage;
     HdPluginRenderDelegateUniqueHandle delegate;
     std::unique_ptr<HdRenderIndex> index;
-    std::unique_ptr<UsdImagingDelegate> scene;
+    std::unique_ptr<StageScene> scene;
     std::unique_ptr<BufferDelegate> buffers;
     HdEngine engine;
     std::shared_ptr<RecordTask> task;
@@ -95,8 +94,7 @@ HdRenderDelegate& Host::delegate() {
     return *impl_->delegate;
 }
 
-void Host::populate(const std::vector<std::string>& purposes, int refineLevel) {
-    impl_->scene = std::make_unique<UsdImagingDelegate>(impl_->index.get(), SdfPath::AbsoluteRootPath());
+void Host::populate(const std::vector<std::string>& purposes, int refineLevel, bool sceneIndices) {
     const auto has = [&purposes](const char* name) {
         return std::find(purposes.begin(), purposes.end(), name) != purposes.end();
     };
@@ -109,11 +107,9 @@ void Host::populate(const std::vector<std::string>& purposes, int refineLevel) {
             impl_->renderTags.push_back(tag);
         }
     }
-    impl_->scene->SetDisplayRender(has("render"));
-    impl_->scene->SetDisplayProxy(has("proxy"));
-    impl_->scene->SetDisplayGuides(has("guide"));
-    impl_->scene->SetRefineLevelFallback(refineLevel);
-    impl_->scene->Populate(impl_->stage->GetPseudoRoot());
+    impl_->scene = std::make_unique<StageScene>(
+        *impl_->index, impl_->stage, sceneIndices ? StageScene::Way::SceneIndices : StageScene::Way::Delegate, purposes,
+        refineLevel);
 }
 
 std::vector<std::string> Host::setOutputs(const std::vector<std::string>& aovs, int frameWidth, int frameHeight,
@@ -145,9 +141,9 @@ std::vector<std::string> Host::setOutputs(const std::vector<std::string>& aovs, 
 }
 
 bool Host::render(const SdfPath& camera, UsdTimeCode time, const std::function<bool()>& poll) {
-    impl_->scene->SetCameraForSampling(camera);
-    impl_->scene->ApplyPendingUpdates();
-    impl_->scene->SetTime(time);
+    impl_->scene->setCameraForSampling(camera);
+    impl_->scene->applyPendingUpdates();
+    impl_->scene->setTime(time);
     impl_->task->setCamera(camera);
     HdTaskSharedPtrVector tasks = {impl_->task};
     auto pause = std::chrono::milliseconds(1);

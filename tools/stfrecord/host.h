@@ -29,8 +29,9 @@ public:
 
     PXR_NS::HdRenderDelegate& delegate();
 
-    /// Brings the stage in. Once, before the first frame.
-    void populate(const std::vector<std::string>& purposes, int refineLevel);
+    /// Brings the stage in, by UsdImaging's scene delegate or by its scene indices. Once, before the first frame.
+    /// Throws std::runtime_error with a sentence where this OpenUSD has no scene indices for stages.
+    void populate(const std::vector<std::string>& purposes, int refineLevel, bool sceneIndices);
 
     /// Size and AOVs of the images to come: `window` of a frame (rows from the bottom up). Returns the names of AOVs
     /// the delegate does not have; the others are bound.

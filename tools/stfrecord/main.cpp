@@ -105,7 +105,7 @@ public:
         if (camera_.IsEmpty()) {
             return BadUsage;
         }
-        host_.populate(options_.purposes, options_.refineLevel);
+        host_.populate(options_.purposes, options_.refineLevel, options_.sceneIndices);
         bool complete = true;
         if (frames.empty()) {
             complete = record(first, stage_->HasAuthoredTimeCodeRange() ? stage_->GetStartTimeCode() : 0.0);

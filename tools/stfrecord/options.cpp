@@ -154,6 +154,8 @@ std::optional<int> parseOptions(int argc, char** argv, Options& options) {
     app.add_option("--purposes", purposes, "comma-separated: default, render, proxy, guide (default,render)");
     app.add_option("--complexity", complexity, "low, medium, high, veryhigh: subdivision level 0 to 3 (high)")
         ->check(CLI::IsMember({"low", "medium", "high", "veryhigh"}));
+    app.add_flag("--sceneIndices", options.sceneIndices,
+                 "bring the stage in by UsdImaging's scene indices in place of its scene delegate (OpenUSD 23.11 on)");
     app.add_option("--png", options.png, "also write the colour as 8-bit sRGB");
     app.add_option("--stats", options.stats, "write statistics as JSON");
     app.add_flag("--denoise", options.denoise, "also the denoised colour, as AOV denoised");

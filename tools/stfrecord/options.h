@@ -30,6 +30,7 @@ struct Options {
     std::string renderer = "Stf";
     std::vector<std::string> purposes = {"default", "render"};
     int refineLevel = 2;
+    bool sceneIndices = false;
     std::string png;
     std::string stats;
     bool plan = false;

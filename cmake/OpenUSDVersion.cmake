@@ -1,0 +1,13 @@
+# Sets HDSTF_OPENUSD_VERSION (20.08 as in the release's name, 26.11, ...) from the headers of PXR_INCLUDE_DIRS, wherever they are from.
+list(GET PXR_INCLUDE_DIRS 0 _include)
+file(STRINGS "${_include}/pxr/pxr.h" _lines REGEX "#define PXR_(MINOR|PATCH)_VERSION [0-9]+")
+string(REGEX REPLACE ".*PXR_MINOR_VERSION ([0-9]+).*" "\\1" _minor "${_lines}")
+string(REGEX REPLACE ".*PXR_PATCH_VERSION ([0-9]+).*" "\\1" _patch "${_lines}")
+if(_patch MATCHES "^[0-9]$")
+    string(PREPEND _patch 0)
+endif()
+set(HDSTF_OPENUSD_VERSION ${_minor}.${_patch})
+if(HDSTF_OPENUSD_VERSION VERSION_LESS 20.08)
+    message(FATAL_ERROR "OpenUSD ${HDSTF_OPENUSD_VERSION} in ${HDSTF_OPENUSD_ROOT} is too old: 20.08 or later is needed.")
+endif()
+message(STATUS "OpenUSD ${HDSTF_OPENUSD_VERSION}: ${HDSTF_OPENUSD_ROOT}")
