@@ -24,7 +24,7 @@ PXR_NAMESPACE_OPEN_SCOPE
 
 /// Entries of GetRenderStats that hosts know, and those of hdStf's own.
 #define HDSTF_STATS_TOKENS                                                                                             \
-    (percentDone)(fractionDone)(totalClockTime)(rendererName)(renderProgressAnnotation)(peakMemory)((                  \
+    (percentDone)(fractionDone)(totalClockTime)(rendererName)(renderProgressAnnotation)(rendererStage)(totalMemory)(peakMemory)((stageFraction, "stf:stageFraction"))((                  \
         plan, "stf:plan"))((messages, "stf:messages"))((precomputeSeconds, "stf:precomputeSeconds"))(                  \
         (synthesisSeconds, "stf:synthesisSeconds"))((shellSeconds, "stf:shellSeconds"))(                               \
         (coreSeconds, "stf:coreSeconds"))((indirectSeconds, "stf:indirectSeconds"))((loadSeconds, "stf:loadSeconds"))( \
