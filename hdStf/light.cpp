@@ -83,6 +83,14 @@ void HdStfLight::Sync(HdSceneDelegate* sceneDelegate, HdRenderParam* renderParam
     if (bits & DirtyParams) {
         _ReadParams(sceneDelegate, light);
     }
+    if (bits & (DirtyParams | DirtyCollection)) {
+        // A collection that holds everything has no id.
+        const auto link = [&](TfToken const& name) {
+            return sceneDelegate->GetLightParamValue(GetId(), name).GetWithDefault(TfToken()).GetString();
+        };
+        light.lightLink = link(HdTokens->lightLink);
+        light.shadowLink = link(HdTokens->shadowLink);
+    }
     if (_inScene && light == _light) {
         return;
     }

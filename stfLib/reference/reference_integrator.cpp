@@ -112,7 +112,9 @@ PixelSample ReferenceIntegrator::sample(const Ray& first, float time, PixelSampl
             const PlainShader::Step step = plain_.shade(path_, instance, surfel, hit, sampler);
             if (step.covers) {
                 add(before * step.radiance);
-                out_.alpha += seen ? average(before) : 0.0f;
+                if (seen) {
+                    out_.cover(instance.objectId, average(before));
+                }
                 visited_ = {};
             }
             if (step.ends) {
@@ -143,7 +145,9 @@ bool ReferenceIntegrator::crossShell(const PreparedInstance& instance, const Sur
                     normalize(smoothNormal(*instance.mesh->surface, hit)), hit.geometricNormal, surfel.triangle, rng_,
                     state)) {
         reflected_ = seen;
-        out_.alpha += seen ? average(before) : 0.0f;
+        if (seen) {
+            out_.cover(instance.objectId, average(before));
+        }
         path_.mirror();
         path_.ray = Ray();
         path_.ray.direction = instance.worldDirection(state.direction);
@@ -156,7 +160,7 @@ bool ReferenceIntegrator::crossShell(const PreparedInstance& instance, const Sur
     inside_ = nullptr;
     add(shone);
     if (seen && !(out.left && state.scatterings == 0)) {
-        out_.alpha += average(before);
+        out_.cover(instance.objectId, average(before));
     }
     if (out.left) {
         leave(instance, out, state);
