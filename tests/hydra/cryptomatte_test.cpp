@@ -61,7 +61,7 @@ float total(const std::vector<std::map<std::uint32_t, float>>& pixels, std::uint
 TEST(Cryptomatte, CoveragesSumToAlphaAndIdsAreInTheManifest) {
     TestHost host(testScene("color3f[] primvars:displayColor = [(0.5, 0.5, 0.5)]",
                             "def Sphere \"Ball\" { double radius = 0.7\n double3 xformOp:translate = (-0.6, 0, 0.2)\n"
-                            "uniform token[] xformOpOrder = [\"xformOp:translate\"] }"),
+                            "uniform token[] xformOpOrder = [\"xformOp:translate\"]\n }"),
                   aovs, width, height);
     host.delegate->SetRenderSetting(TfToken("stf:samples"), VtValue(32));
     ASSERT_TRUE(host.renderToEnd());
@@ -130,7 +130,8 @@ def "A" ( instanceable = true
     references = </Kind> ) {}
 def "B" ( instanceable = true
     references = </Kind> ) { double3 xformOp:translate = (0, 1.1, 0)
-    uniform token[] xformOpOrder = ["xformOp:translate"] }
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+}
 )"),
                   aovs, width, height);
     ASSERT_TRUE(host.renderToEnd());

@@ -22,7 +22,7 @@ std::string square(const std::string& name, const std::string& points) {
 std::string scene(const std::string& collections, const std::string& light = "DistantLight") {
     return "#usda 1.0\n"
            "def Camera \"Camera\" { double3 xformOp:translate = (0, 0, 5)\n"
-           "uniform token[] xformOpOrder = [\"xformOp:translate\"] }\n"
+           "uniform token[] xformOpOrder = [\"xformOp:translate\"]\n }\n"
            "def " +
            light +
            " \"Light\" ( prepend apiSchemas = [\"CollectionAPI:lightLink\", \"CollectionAPI:shadowLink\"] ) {\n"

@@ -118,7 +118,7 @@ TEST(Subset, OfAShellIsLeftOutAndSaidOnce) {
     host.execute();
     EXPECT_NE(host.messages().find("/Row: a mesh with a shell is one whole"), std::string::npos) << host.messages();
 
-    Row same(scene(shell + "def GeomSubset \"All\" { uniform token elementType = \"face\"\n int[] indices = [0, 1] }"));
+    Row same(scene(shell + "def GeomSubset \"All\" { uniform token elementType = \"face\"\n int[] indices = [0, 1]\n }"));
     UsdShadeMaterialBindingAPI(same.subset()).Bind(UsdShadeMaterial(same.stage->GetPrimAtPath(SdfPath("/Dim"))));
     same.execute();
     EXPECT_EQ(same.messages().find("is one whole"), std::string::npos) << "all subsets have the mesh's own material";

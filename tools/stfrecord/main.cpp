@@ -248,7 +248,7 @@ private:
             console_.message("error", problem, true);
         }
         image.metadata = {{"software", "stfrecord (hdStf)"},
-                          {"version", HDSTF_VERSION},
+                          {"hdStfVersion", HDSTF_VERSION},
                           {"openusdVersion", TfStringPrintf("%d.%02d", PXR_MINOR_VERSION, PXR_PATCH_VERSION)},
                           {"renderer", options_.renderer},
                           {"scene", options_.scene},
