@@ -4,6 +4,7 @@
 #include "hdStf/materialNetwork.h"
 #include "hdStf/renderParam.h"
 
+#include "pxr/imaging/hd/changeTracker.h"
 #include "pxr/imaging/hd/renderIndex.h"
 #include "pxr/imaging/hd/sceneDelegate.h"
 
@@ -35,7 +36,7 @@ void HdStfMaterial::Sync(HdSceneDelegate* sceneDelegate, HdRenderParam* renderPa
     }
     if (_uvPrimvar != before || !(_shell == shellBefore)) {
         // Which coordinates meshes take, and which shell, is theirs to pull, and they sync after materials.
-        param.MarkPrimvarsDirty(sceneDelegate->GetRenderIndex().GetChangeTracker());
+        param.MarkAllDirty(sceneDelegate->GetRenderIndex().GetChangeTracker(), HdChangeTracker::DirtyPrimvar);
     }
 }
 

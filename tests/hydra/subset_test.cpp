@@ -49,7 +49,7 @@ constexpr int width = 24, height = 8;
 /// In the middle of the left, middle and right face (0, 1, 2).
 template<class T>
 T at(const std::vector<T>& pixels, int face, int channels = 1) {
-    return pixels[static_cast<size_t>((height / 2 * width + 5 + 7 * face) * channels)];
+    return pixels[static_cast<size_t>((height / 2 * width + 2 + 9 * face) * channels)];
 }
 
 struct Row : TestHost {
