@@ -203,7 +203,7 @@ FactoredField factorise(const std::vector<std::vector<float>>& values, int compo
             left <= options.tolerance * options.tolerance * energy) {
             break;
         }
-        if (own > noiseOwn && own > kRounding * energy) {
+        if (own > options.noiseRead * noiseOwn && own > kRounding * energy) {
             kept.push_back(k);
             left -= own;
             noisePower += noiseOwn;

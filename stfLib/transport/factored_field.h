@@ -86,6 +86,9 @@ struct FactoriseOptions {
     /// Expected noise of the values as a Gram matrix over directions ([direction][direction], in the same norm), or
     /// empty: factors that hold more noise than signal are dropped, and noise is not taken for truncation error.
     std::vector<double> noiseGram;
+    /// Share of that noise (its power) that is left where the field is read, between values and over neighbours: a
+    /// factor is dropped by the noise that would be seen.
+    double noiseRead = 1;
     std::vector<float> weights; ///< of the squares of the components of each item in the norm, [item][component];
                                 ///< empty: 1
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "pxr/usd/usd/primRange.h"
 #include "fuzz_files.h"
 #include "fuzz_random.h"
 #include "test_host.h"
