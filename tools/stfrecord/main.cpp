@@ -2,6 +2,7 @@
 #include "tools/stfrecord/console.h"
 #include "tools/stfrecord/diagnostics.h"
 #include "tools/stfrecord/host.h"
+#include "tools/stfrecord/leftOut.h"
 #include "tools/stfrecord/options.h"
 #include "tools/stfrecord/product.h"
 #include "tools/stfrecord/renderSettings.h"
@@ -126,6 +127,10 @@ public:
         : options_(options), stage_(stage), host_(host), console_(console) {}
 
     ExitCode run(const std::vector<Product>& products, const std::vector<std::string>& purposes) {
+        for (const std::string& sentence : describeLeftOut(stage_, host_.delegate().GetSupportedRprimTypes(), purposes,
+                                                           firstTime(stage_, options_))) {
+            console_.message("error", sentence, true);
+        }
         host_.populate(purposes, options_.refineLevel, options_.sceneIndices);
         ProductSettings settings(host_.delegate());
         severalProducts_ = products.size() > 1;
