@@ -22,7 +22,7 @@ struct MeshInstance {
     Transform objectToWorld; ///< at the present time
     std::int32_t instanceId = 0;
     std::vector<TransformSample> motion; ///< objectToWorld around it; empty: at rest
-    std::string name;                    ///< by which cryptomattes know it; empty: the mesh's id
+    std::string name = {};               ///< by which cryptomattes know it; empty: the mesh's id
     /// Which of the light and shadow links (`Light`) it belongs to, beside those of the mesh.
     std::vector<std::string> links = {};
     bool operator==(const MeshInstance& i) const {
