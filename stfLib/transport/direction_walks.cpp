@@ -11,9 +11,9 @@ namespace stf {
 namespace {
 
 constexpr double kTruncationShare = 0.25; // of the wanted error
-// Noise differs from voxel to voxel, but what a dropped factor lacks has one sign over whole regions: a factor is worth
-// more of it.
-constexpr double kCoherence = 0.25;
+// Noise differs from column to column, but what a dropped factor lacks has one sign over whole regions: where there are
+// many columns a factor is worth more of it.
+constexpr double kLeastCoherence = 0.25;
 constexpr int kMaxRounds = 6;
 
 double sq(double x) {
@@ -134,7 +134,8 @@ FactoredField factoriseFields(const TileWalks& c, const std::vector<DirectionLig
         readNoise += d[i].noise;
         voxelNoise += d[i].voxelNoise;
     }
-    options.noiseRead = voxelNoise > 0 ? kCoherence * std::min(1.0, readNoise / voxelNoise) : 1.0;
+    const double coherence = std::max(kLeastCoherence, 1 / std::sqrt(double(c.columns)));
+    options.noiseRead = voxelNoise > 0 ? coherence * std::min(1.0, readNoise / voxelNoise) : 1.0;
     FactoredField field = factorise(values, n, options, &report);
     // Noise that has the shape of the field itself passes the truncation: it is seen where both halves are factored
     // for themselves. That of what is read is less.

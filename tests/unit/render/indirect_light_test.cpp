@@ -55,8 +55,9 @@ TEST(IndirectLight, DirectionsBringTheIrradianceFromWhereItComes) {
                 ASSERT_NEAR(irradiance, 2 * double(kPi), 1e-4);
             }
         }
+        // 2048 directions, whose azimuths are as good as random: .011 is their standard error.
         for (int c = 0; c < 3; ++c) {
-            EXPECT_NEAR(found[c], expected[c] / weights, 0.01) << "radiance " << which << ", axis " << c;
+            EXPECT_NEAR(found[c], expected[c] / weights, 0.025) << "radiance " << which << ", axis " << c;
         }
     }
 }
