@@ -16,7 +16,7 @@ constexpr int kMaxSurfaces = 64; // of transparent shells along one ray
 constexpr float kFaint = 0.25f;
 
 /// Radians: paths of lobes so wide see no detail of a shell.
-constexpr float kWideSpread = 0.4f;
+constexpr float kBlindSpread = 0.4f;
 
 } // namespace
 
@@ -382,7 +382,7 @@ PixelSample Integrator::sample(const Bundle& bundle, int i, const RayCone& cone,
         // Shells are lit as in air, also where they lie in another that refracts.
         const float footprint =
             (cone.at(path.travelled + hit.t) + path.spread * hit.t) * length(scaled) * shell->mmPerUnit;
-        const bool kept = path.bounced && path.spread >= kWideSpread && path.index == 1 && scene_.glow &&
+        const bool kept = path.bounced && path.spread >= kBlindSpread && path.index == 1 && scene_.glow &&
                           scene_.glow->holds(instance.index);
         ShellMeeting m = kept ? meetKept(instance, surfel, ray, hit)
                               : meetShell(instance, surfel, ray, hit, path.index * path.index, footprint,

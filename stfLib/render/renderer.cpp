@@ -572,6 +572,7 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
 void Renderer::Impl::balanceLight(Progress& progress) {
     scene->maxDepth = settings.maxDepth;
     scene->irradianceCache = settings.irradianceCache;
+    scene->glow = nullptr; // of instances that are gone; path tracing finds shells by itself
     if (traces()) {
         scenePlan.push_back({"scene", "core", false, "path traced", 0});
         scenePlan.push_back({"scene", "indirect", false, "path traced", 0});
