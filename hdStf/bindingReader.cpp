@@ -36,7 +36,8 @@ VtValue _Unwrap(VtValue const& value) {
 /// Reads one property after the other of one prim.
 class _Reader {
 public:
-    _Reader(SdfPath const& id, HdStfMessages& messages) : _id(id), _messages(messages) {}
+    _Reader(SdfPath const& id, HdStfBindingSource source, HdStfMessages& messages)
+        : _id(id), _source(source), _messages(messages) {}
 
     template<class Number>
     void Read(TfToken const& name, VtValue const& authored, Number* result, Number smallest, bool smallestIncluded) {
@@ -107,22 +108,28 @@ public:
 
 private:
     void _Complain(TfToken const& name, std::string const& what) {
+        const std::string property =
+            _source == HdStfBindingSource::Primvars
+                ? "primvars:" + name.GetString()
+                : "inputs:" + name.GetString().substr(HdStfPrimvarTokens->prefix.GetString().size());
         _messages.Report(stf::Severity::Error,
-                         _id.GetString() + ": primvars:" + name.GetString() + " " + what + "; its default is used");
+                         _id.GetString() + ": " + property + " " + what + "; its default is used");
     }
 
     SdfPath const& _id;
+    HdStfBindingSource _source;
     HdStfMessages& _messages;
 };
 
 } // namespace
 
-std::optional<stf::StfBinding>
-HdStfReadBinding(SdfPath const& id, std::vector<std::pair<TfToken, VtValue>> const& primvars, HdStfMessages& messages) {
-    stf::StfBinding binding;
-    _Reader reader(id, messages);
+std::optional<stf::StfBinding> HdStfReadBinding(SdfPath const& id, HdStfBindingValues const& values,
+                                                HdStfMessages& messages, HdStfBindingSource source,
+                                                std::optional<stf::StfBinding> const& beneath) {
+    stf::StfBinding binding = beneath.value_or(stf::StfBinding());
+    _Reader reader(id, source, messages);
     auto const& tokens = *HdStfPrimvarTokens;
-    for (auto const& [name, value] : primvars) {
+    for (auto const& [name, value] : values) {
         if (name == tokens.baseVolume) {
             reader.ReadAsset(name, value, &binding.baseVolume, &binding.authoredPath);
         } else if (name == tokens.thickness) {

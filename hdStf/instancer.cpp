@@ -125,6 +125,19 @@ void HdStfInstancer::_PullPrimvarsIfDirty() {
 }
 #endif
 
+std::vector<VtArray<TfToken>> HdStfInstancer::ComputeInstanceCategories(SdfPath const& prototypeId) {
+    std::vector<VtArray<TfToken>> chosen;
+    const std::vector<VtArray<TfToken>> all = GetDelegate()->GetInstanceCategories(GetId());
+    if (all.empty() || !GetParentId().IsEmpty()) {
+        return chosen;
+    }
+    for (const int index : GetDelegate()->GetInstanceIndices(GetId(), prototypeId)) {
+        const bool known = index >= 0 && static_cast<size_t>(index) < all.size();
+        chosen.push_back(known ? all[static_cast<size_t>(index)] : VtArray<TfToken>());
+    }
+    return chosen;
+}
+
 VtMatrix4dArray HdStfInstancer::ComputeInstanceTransforms(SdfPath const& prototypeId) {
     return _ComputeTransforms(prototypeId, _When::Present, {}, nullptr, nullptr);
 }

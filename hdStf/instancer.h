@@ -39,6 +39,9 @@ public:
 
     /// One matrix per instance of \p prototypeId, instance to world (the prototype's own transform comes before).
     VtMatrix4dArray ComputeInstanceTransforms(SdfPath const& prototypeId);
+    /// The collections that a prototype's instances belong to, in the same order; none where the scene does not tell
+    /// instances apart, or they are nested.
+    std::vector<VtArray<TfToken>> ComputeInstanceCategories(SdfPath const& prototypeId);
 
     /// Where each of those instances is when the shutter opens and when it closes, with the times; empty where all of
     /// them are at rest. What is sampled in between is left aside.

@@ -5,6 +5,8 @@
 #include "hdStf/hydraCompat.h"
 #include "hdStf/renderParam.h"
 
+#include "pxr/imaging/hd/changeTracker.h"
+#include "pxr/imaging/hd/renderIndex.h"
 #include "pxr/imaging/hd/sceneDelegate.h"
 #include "pxr/imaging/hd/tokens.h"
 #include "pxr/usd/sdf/assetPath.h"
@@ -82,6 +84,19 @@ void HdStfLight::Sync(HdSceneDelegate* sceneDelegate, HdRenderParam* renderParam
     }
     if (bits & DirtyParams) {
         _ReadParams(sceneDelegate, light);
+    }
+    if (bits & (DirtyParams | DirtyCollection)) {
+        // A collection that holds everything has no id.
+        const auto link = [&](TfToken const& name) {
+            return sceneDelegate->GetLightParamValue(GetId(), name).GetWithDefault(TfToken()).GetString();
+        };
+        light.lightLink = link(HdTokens->lightLink);
+        light.shadowLink = link(HdTokens->shadowLink);
+        const auto links = [](stf::Light const& l) { return !l.lightLink.empty() || !l.shadowLink.empty(); };
+        if (links(light) || links(_light)) {
+            // UsdImaging tells a light that its collections have changed, but not the prims in them.
+            param->MarkAllDirty(sceneDelegate->GetRenderIndex().GetChangeTracker(), HdChangeTracker::DirtyCategories);
+        }
     }
     if (_inScene && light == _light) {
         return;

@@ -4,6 +4,7 @@
 #include "hdStf/materialNetwork.h"
 #include "hdStf/renderParam.h"
 
+#include "pxr/imaging/hd/changeTracker.h"
 #include "pxr/imaging/hd/renderIndex.h"
 #include "pxr/imaging/hd/sceneDelegate.h"
 
@@ -20,7 +21,9 @@ void HdStfMaterial::Sync(HdSceneDelegate* sceneDelegate, HdRenderParam* renderPa
         HdStfReadMaterial(GetId(), sceneDelegate->GetMaterialResource(GetId()), param.GetMessages());
     const std::string id = GetId().GetString();
     const TfToken before = _uvPrimvar;
-    if (description) {
+    const std::optional<stf::StfBinding> shellBefore = _shell;
+    _shell = description ? description->shell : std::nullopt;
+    if (description && !_shell) {
         _uvPrimvar = description->uvPrimvar;
         if (!_inScene || !(description->surface == _surface)) {
             _surface = description->surface;
@@ -31,9 +34,9 @@ void HdStfMaterial::Sync(HdSceneDelegate* sceneDelegate, HdRenderParam* renderPa
         _uvPrimvar = TfToken();
         Finalize(renderParam);
     }
-    if (_uvPrimvar != before) {
-        // Which coordinates meshes take is theirs to pull, and they sync after materials.
-        param.MarkPrimvarsDirty(sceneDelegate->GetRenderIndex().GetChangeTracker());
+    if (_uvPrimvar != before || !(_shell == shellBefore)) {
+        // Which coordinates meshes take, and which shell, is theirs to pull, and they sync after materials.
+        param.MarkAllDirty(sceneDelegate->GetRenderIndex().GetChangeTracker(), HdChangeTracker::DirtyPrimvar);
     }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStf/materialNetwork.h"
 
+#include "hdStf/bindingReader.h"
 #include "hdStf/conversions.h"
 #include "hdStf/tokens.h"
 
@@ -240,6 +241,25 @@ std::optional<HdStfMaterialDescription> HdStfReadMaterial(SdfPath const& id, VtV
     for (SdfPath const& terminal : map.terminals) {
         HdMaterialNode const* found = network.Find(terminal);
         node = found ? found : node;
+    }
+    if (node->identifier == tokens.StfShell) {
+        HdStfMaterialDescription result;
+        HdStfBindingValues values;
+        for (auto const& [name, value] : node->parameters) {
+            values.emplace_back(TfToken(HdStfPrimvarTokens->prefix.GetString() + name.GetString()), value);
+        }
+        for (HdMaterialRelationship const& r : it->second.relationships) {
+            if (r.outputId == node->path) {
+                network.Complain(*node, r.outputName, "is connected to a node, which is not read there");
+            }
+        }
+        result.shell = HdStfReadBinding(id, values, messages, HdStfBindingSource::ShaderInputs);
+        if (!result.shell) {
+            messages.Report(stf::Severity::Error, id.GetString() + ": StfShell has no inputs:baseVolume; meshes show "
+                                                                   "their displayColor");
+            return std::nullopt;
+        }
+        return result;
     }
     if (node->identifier != tokens.UsdPreviewSurface) {
         messages.Report(stf::Severity::Error, id.GetString() + ": its surface is a " + node->identifier.GetString() +

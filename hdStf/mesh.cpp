@@ -14,15 +14,59 @@
 #include "pxr/imaging/hd/sceneDelegate.h"
 
 #include <algorithm>
+#include <map>
 
 PXR_NAMESPACE_OPEN_SCOPE
+
+namespace {
+
+/// Of more instances paths are not asked for: UsdImaging looks for each among all of them.
+constexpr size_t _mostNamedInstances = 512;
+
+std::vector<std::string> _ToStrings(VtArray<TfToken> const& tokens) {
+    std::vector<std::string> strings;
+    for (TfToken const& token : tokens) {
+        strings.push_back(token.GetString());
+    }
+    std::sort(strings.begin(), strings.end());
+    return strings;
+}
+
+HdStfMaterial const* _FindMaterial(HdSceneDelegate* sceneDelegate, SdfPath const& id) {
+    return id.IsEmpty() ? nullptr
+                        : static_cast<HdStfMaterial const*>(
+                              sceneDelegate->GetRenderIndex().GetSprim(HdPrimTypeTokens->material, id));
+}
+
+std::optional<stf::StfBinding> _FindShell(HdSceneDelegate* sceneDelegate, SdfPath const& id) {
+    HdStfMaterial const* material = _FindMaterial(sceneDelegate, id);
+    return material ? material->GetShell() : std::nullopt;
+}
+
+/// Names instances by their paths in the scene; those of one path, and where there are too many, by their number.
+void _NameInstances(HdSceneDelegate* sceneDelegate, SdfPath const& id, std::vector<stf::MeshInstance>& instances) {
+    std::map<std::string, int> uses;
+    for (stf::MeshInstance& instance : instances) {
+        instance.name = instances.size() > _mostNamedInstances
+                            ? id.GetString()
+                            : sceneDelegate->GetScenePrimPath(id, instance.instanceId).GetString();
+        ++uses[instance.name];
+    }
+    for (stf::MeshInstance& instance : instances) {
+        if (uses[instance.name] > 1) {
+            instance.name += "[" + std::to_string(instance.instanceId) + "]";
+        }
+    }
+}
+
+} // namespace
 
 HdDirtyBits HdStfMesh::GetInitialDirtyBitsMask() const {
     return HdChangeTracker::InitRepr | HdChangeTracker::DirtyPoints | HdChangeTracker::DirtyTopology |
            HdChangeTracker::DirtySubdivTags | HdChangeTracker::DirtyDisplayStyle | HdChangeTracker::DirtyNormals |
            HdChangeTracker::DirtyPrimvar | HdChangeTracker::DirtyTransform | HdChangeTracker::DirtyVisibility |
            HdChangeTracker::DirtyInstancer | HdChangeTracker::DirtyInstanceIndex | HdChangeTracker::DirtyPrimID |
-           HdChangeTracker::DirtyMaterialId;
+           HdChangeTracker::DirtyMaterialId | HdChangeTracker::DirtyCategories;
 }
 
 void HdStfMesh::_InitRepr(TfToken const& reprToken, HdDirtyBits* /*dirtyBits*/) {
@@ -43,12 +87,23 @@ void HdStfMesh::Sync(HdSceneDelegate* sceneDelegate, HdRenderParam* renderParam,
     _UpdateInstancer(sceneDelegate, dirtyBits);
     HdInstancer::_SyncInstancerAndParents(sceneDelegate->GetRenderIndex(), GetInstancerId());
 #endif
-    const TfToken uvPrimvar = _PullMaterial(sceneDelegate, bits, changes);
-    changes.mesh = _data.Pull(*this, sceneDelegate, bits, uvPrimvar, param.GetMessages());
+    changes.mesh = _data.PullTopology(*this, sceneDelegate, bits);
+    const TfToken uvPrimvar = _PullMaterial(sceneDelegate, bits, param.GetMessages(), changes);
+    changes.mesh |= _data.Pull(*this, sceneDelegate, bits, uvPrimvar, param.GetMessages());
     if (bits & HdChangeTracker::DirtyPrimvar) {
         _PullBinding(sceneDelegate, param, changes);
     }
+    if (_binding && !_data.GetPartMaterials().empty()) {
+        param.GetMessages().Report(stf::Severity::Warning,
+                                   id.GetString() + ": a mesh with a shell is one whole; the materials of its " +
+                                       "subsets of faces are left out");
+    }
     _PullInstances(sceneDelegate, param.GetShutter(), bits, changes);
+    if (bits & HdChangeTracker::DirtyCategories) {
+        std::vector<std::string> links = _ToStrings(sceneDelegate->GetCategories(id));
+        changes.links = links != _links;
+        _links = std::move(links);
+    }
     if (HdChangeTracker::IsVisibilityDirty(bits, id)) {
         _UpdateVisibility(sceneDelegate, dirtyBits);
         changes.visible = _visible != IsVisible();
@@ -70,21 +125,48 @@ void HdStfMesh::_PullBinding(HdSceneDelegate* sceneDelegate, HdStfRenderParam& p
             primvars.emplace_back(primvar.name, GetPrimvar(sceneDelegate, primvar.name));
         }
     }
-    std::optional<stf::StfBinding> binding = HdStfReadBinding(GetId(), primvars, param.GetMessages());
+    std::optional<stf::StfBinding> binding = HdStfReadBinding(
+        GetId(), primvars, param.GetMessages(), HdStfBindingSource::Primvars, _FindShell(sceneDelegate, _material));
+    for (SdfPath const& material : _data.GetPartMaterials()) {
+        if (_FindShell(sceneDelegate, material)) {
+            param.GetMessages().Report(stf::Severity::Warning, GetId().GetString() + ": " + material.GetString() +
+                                                                   " of a subset is a shell, which only whole meshes " +
+                                                                   "have; its faces show their displayColor");
+        }
+    }
     changes.binding = !(binding == _binding);
     _binding = std::move(binding);
 }
 
-/// The primvar that the bound material's textures are read by.
-TfToken HdStfMesh::_PullMaterial(HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits, _Changes& changes) {
+/// The primvar that the bound materials' textures are read by.
+TfToken HdStfMesh::_PullMaterial(HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits, HdStfMessages& messages,
+                                 _Changes& changes) {
     if (dirtyBits & HdChangeTracker::DirtyMaterialId) {
         const SdfPath material = sceneDelegate->GetMaterialId(GetId());
         changes.material = material != _material;
         _material = material;
     }
-    HdSprim* sprim =
-        _material.IsEmpty() ? nullptr : sceneDelegate->GetRenderIndex().GetSprim(HdPrimTypeTokens->material, _material);
-    return sprim ? static_cast<HdStfMaterial*>(sprim)->GetUvPrimvar() : TfToken();
+    if (dirtyBits & (HdChangeTracker::DirtyMaterialId | HdChangeTracker::DirtyTopology)) {
+        const SdfPathVector before = _data.GetPartMaterials();
+        changes.mesh |= _data.AssignParts(GetId(), _material, messages);
+        changes.material |= before != _data.GetPartMaterials();
+    }
+    const auto uvPrimvarOf = [&](SdfPath const& id) {
+        HdStfMaterial const* material = _FindMaterial(sceneDelegate, id);
+        return material ? material->GetUvPrimvar() : TfToken();
+    };
+    TfToken uvPrimvar = uvPrimvarOf(_material);
+    for (SdfPath const& id : _data.GetPartMaterials()) {
+        const TfToken other = uvPrimvarOf(id);
+        if (uvPrimvar.IsEmpty()) {
+            uvPrimvar = other;
+        } else if (!other.IsEmpty() && other != uvPrimvar) {
+            messages.Report(stf::Severity::Error, GetId().GetString() + ": " + id.GetString() + " of a subset reads " +
+                                                      other.GetString() + " beside " + uvPrimvar.GetString() +
+                                                      "; a mesh has one set of coordinates");
+        }
+    }
+    return uvPrimvar;
 }
 
 void HdStfMesh::_PullInstances(HdSceneDelegate* sceneDelegate, stf::Shutter const& shutter, HdDirtyBits dirtyBits,
@@ -92,7 +174,7 @@ void HdStfMesh::_PullInstances(HdSceneDelegate* sceneDelegate, stf::Shutter cons
     SdfPath const& id = GetId();
     const bool transformDirty = HdChangeTracker::IsTransformDirty(dirtyBits, id);
     if (!transformDirty && !HdChangeTracker::IsInstancerDirty(dirtyBits, id) &&
-        !HdChangeTracker::IsInstanceIndexDirty(dirtyBits, id)) {
+        !HdChangeTracker::IsInstanceIndexDirty(dirtyBits, id) && !(dirtyBits & HdChangeTracker::DirtyCategories)) {
         return;
     }
     if (transformDirty) {
@@ -102,7 +184,7 @@ void HdStfMesh::_PullInstances(HdSceneDelegate* sceneDelegate, stf::Shutter cons
     HdInstancer* instancer =
         GetInstancerId().IsEmpty() ? nullptr : sceneDelegate->GetRenderIndex().GetInstancer(GetInstancerId());
     if (GetInstancerId().IsEmpty()) {
-        stf::MeshInstance instance = {HdStfToTransform(_transform), 0, {}};
+        stf::MeshInstance instance = {HdStfToTransform(_transform), 0, {}, {}, {}};
         if (shutter.blurs()) {
             for (auto const& [time, matrix] : HdStfSampleTransform(sceneDelegate, id, shutter)) {
                 instance.motion.push_back({time, HdStfToTransform(matrix)});
@@ -119,10 +201,16 @@ void HdStfMesh::_PullInstances(HdSceneDelegate* sceneDelegate, stf::Shutter cons
         instances.reserve(transforms.size());
         for (GfMatrix4d const& transform : transforms) {
             const size_t index = instances.size();
-            instances.push_back({HdStfToTransform(_transform * transform), static_cast<int32_t>(index), {}});
+            instances.push_back({HdStfToTransform(_transform * transform), static_cast<int32_t>(index), {}, {}, {}});
             for (auto const& [time, matrix] : motion[index]) {
                 instances.back().motion.push_back({time, HdStfToTransform(_transform * matrix)});
             }
+        }
+        _NameInstances(sceneDelegate, id, instances);
+        const std::vector<VtArray<TfToken>> links =
+            static_cast<HdStfInstancer*>(instancer)->ComputeInstanceCategories(id);
+        for (size_t i = 0; i < links.size() && i < instances.size(); ++i) {
+            instances[i].links = _ToStrings(links[i]);
         }
     }
     changes.instances = instances != _instances;
@@ -139,7 +227,7 @@ void HdStfMesh::_Send(HdStfRenderParam& param, _Changes changes) {
         return;
     }
     if (!_inScene) {
-        changes = {true, true, true, true, true, true};
+        changes = {true, true, true, true, true, true, true};
     }
     if (!changes.Any()) {
         return;
@@ -160,6 +248,14 @@ void HdStfMesh::_Send(HdStfRenderParam& param, _Changes changes) {
     }
     if (changes.material) {
         scene.setMeshMaterial(id, _material.GetString());
+        std::vector<std::string> parts;
+        for (SdfPath const& material : _data.GetPartMaterials()) {
+            parts.push_back(material.GetString());
+        }
+        scene.setPartMaterials(id, std::move(parts));
+    }
+    if (changes.links) {
+        scene.setLinks(id, _links);
     }
     if (changes.primId) {
         _sentPrimId = GetPrimId();

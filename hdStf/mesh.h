@@ -11,6 +11,7 @@
 #include "pxr/pxr.h"
 
 #include <optional>
+#include <string>
 #include <vector>
 
 PXR_NAMESPACE_OPEN_SCOPE
@@ -42,11 +43,11 @@ public:
     bool SetDrawn(bool drawn, HdStfRenderParam& param);
 
 protected:
-    /// The material says which texture coordinates are read. Where primvars come, go or change their interpolation,
-    /// normals may be among them; UsdImaging then says that primvars are dirty, and looks at normals only where those
-    /// are.
+    /// The material says which texture coordinates are read, also those of subsets, which come with the topology. Where
+    /// primvars come, go or change their interpolation, normals may be among them; UsdImaging then says that primvars
+    /// are dirty, and looks at normals only where those are.
     HdDirtyBits _PropagateDirtyBits(HdDirtyBits bits) const override {
-        if (bits & HdChangeTracker::DirtyMaterialId) {
+        if (bits & (HdChangeTracker::DirtyMaterialId | HdChangeTracker::DirtyTopology)) {
             bits |= HdChangeTracker::DirtyPrimvar;
         }
         return bits & HdChangeTracker::DirtyPrimvar ? bits | HdChangeTracker::DirtyNormals : bits;
@@ -62,11 +63,13 @@ private:
         bool visible = false;
         bool primId = false;
         bool material = false;
-        bool Any() const { return mesh || binding || instances || visible || primId || material; }
+        bool links = false;
+        bool Any() const { return mesh || binding || instances || visible || primId || material || links; }
     };
 
     void _PullBinding(HdSceneDelegate* sceneDelegate, HdStfRenderParam& param, _Changes& changes);
-    TfToken _PullMaterial(HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits, _Changes& changes);
+    TfToken _PullMaterial(HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits, HdStfMessages& messages,
+                          _Changes& changes);
     void _PullInstances(HdSceneDelegate* sceneDelegate, stf::Shutter const& shutter, HdDirtyBits dirtyBits,
                         _Changes& changes);
     void _Send(HdStfRenderParam& param, _Changes changes);
@@ -77,6 +80,7 @@ private:
     std::vector<stf::MeshInstance> _instances;
     int _sentPrimId = -1;
     SdfPath _material;
+    std::vector<std::string> _links; // of lights, that it belongs to
     bool _visible = true;
     bool _drawn = true;
     bool _inScene = false;

@@ -100,13 +100,12 @@ std::vector<int> HdStfWeldUvs(VtIntArray const& faceVertexIndices, std::vector<s
 
 bool HdStfMeshData::Pull(HdMesh const& mesh, HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits,
                          TfToken const& uvPrimvar, HdStfMessages& messages) {
-    bool changed = _PullTopology(mesh, sceneDelegate, dirtyBits);
-    changed |= _PullPoints(mesh, sceneDelegate, dirtyBits);
+    bool changed = _PullPoints(mesh, sceneDelegate, dirtyBits);
     changed |= _PullPrimvars(mesh, sceneDelegate, dirtyBits, uvPrimvar, messages);
     return changed;
 }
 
-bool HdStfMeshData::_PullTopology(HdMesh const& mesh, HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits) {
+bool HdStfMeshData::PullTopology(HdMesh const& mesh, HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits) {
     SdfPath const& id = mesh.GetId();
     bool changed = false;
     const bool topologyDirty = HdChangeTracker::IsTopologyDirty(dirtyBits, id);
@@ -121,6 +120,40 @@ bool HdStfMeshData::_PullTopology(HdMesh const& mesh, HdSceneDelegate* sceneDele
         changed |= level != _refineLevel;
         _refineLevel = level;
     }
+    return changed;
+}
+
+bool HdStfMeshData::AssignParts(SdfPath const& id, SdfPath const& meshMaterial, HdStfMessages& messages) {
+    const size_t faces = _topology.GetFaceVertexCounts().size();
+    SdfPathVector materials;
+    std::vector<int> parts;
+    for (HdGeomSubset const& subset : _topology.GetGeomSubsets()) {
+        if (subset.type != HdGeomSubset::TypeFaceSet || subset.materialId.IsEmpty() ||
+            subset.materialId == meshMaterial) {
+            continue;
+        }
+        const auto known = std::find(materials.begin(), materials.end(), subset.materialId);
+        const int part = static_cast<int>(known - materials.begin()) + 1;
+        if (known == materials.end()) {
+            materials.push_back(subset.materialId);
+        }
+        parts.resize(faces, 0);
+        size_t outside = 0;
+        for (const int face : subset.indices) {
+            if (face < 0 || static_cast<size_t>(face) >= faces) {
+                ++outside;
+            } else if (parts[static_cast<size_t>(face)] == 0) { // a face of several subsets is the first one's
+                parts[static_cast<size_t>(face)] = part;
+            }
+        }
+        if (outside > 0) {
+            messages.Report(stf::Severity::Warning, id.GetString() + ": subset " + subset.id.GetName() + " names " +
+                                                        std::to_string(outside) + " faces that the mesh does not have");
+        }
+    }
+    const bool changed = parts != _faceParts;
+    _faceParts = std::move(parts);
+    _partMaterials = std::move(materials);
     return changed;
 }
 
@@ -247,6 +280,7 @@ stf::ControlMesh HdStfMeshData::MakeControlMesh() const {
     mesh.holeIndices = HdStfToVector(_topology.GetHoleIndices());
     mesh.holeIndices.insert(mesh.holeIndices.end(), _topology.GetInvisibleFaces().cbegin(),
                             _topology.GetInvisibleFaces().cend());
+    mesh.faceParts = _faceParts;
     mesh.points = HdStfToVector(_points);
     mesh.scheme = _ToStfScheme(_topology.GetScheme());
     mesh.leftHanded = _topology.GetOrientation() == PxOsdOpenSubdivTokens->leftHanded;

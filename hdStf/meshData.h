@@ -10,6 +10,7 @@
 #include "pxr/imaging/hd/mesh.h"
 #include "pxr/imaging/hd/meshTopology.h"
 #include "pxr/pxr.h"
+#include "pxr/usd/sdf/path.h"
 
 #include <string>
 #include <vector>
@@ -25,7 +26,14 @@ class HdStfMessages;
 /// Threading: none of its own; each mesh has one.
 class HdStfMeshData {
 public:
-    /// Pulls what \p dirtyBits say is dirty, each value once. True if something differs from what is held. Texture
+    /// Pulls what of the topology \p dirtyBits say is dirty; before Pull. True if it differs from what is held.
+    bool PullTopology(HdMesh const& mesh, HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits);
+    /// Makes parts of the faces whose subsets have another material than \p meshMaterial, one for each material. True
+    /// if faces belong to other parts than before.
+    bool AssignParts(SdfPath const& id, SdfPath const& meshMaterial, HdStfMessages& messages);
+    /// Of parts from 1 on; part 0 has the mesh's.
+    SdfPathVector const& GetPartMaterials() const { return _partMaterials; }
+    /// Pulls points and primvars, each value once. True if something differs from what is held. Texture
     /// coordinates are the primvar \p uvPrimvar where there is one of that name, else what looks most like them.
     bool Pull(HdMesh const& mesh, HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits, TfToken const& uvPrimvar,
               HdStfMessages& messages);
@@ -44,7 +52,6 @@ private:
         }
     };
 
-    bool _PullTopology(HdMesh const& mesh, HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits);
     bool _PullPoints(HdMesh const& mesh, HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits);
     bool _PullPrimvars(HdMesh const& mesh, HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits,
                        TfToken const& uvPrimvar, HdStfMessages& messages);
@@ -52,6 +59,8 @@ private:
     size_t _CountOf(HdInterpolation interpolation) const;
 
     HdMeshTopology _topology;
+    SdfPathVector _partMaterials;
+    std::vector<int> _faceParts; // empty: there are no parts
     int _refineLevel = 0;
     VtVec3fArray _points;
     _Primvar<GfVec2f> _uvs;

@@ -11,6 +11,7 @@
 #include "hdStf/renderPass.h"
 #include "hdStf/renderStats.h"
 #include "hdStf/settings.h"
+#include "hdStf/shaderNode.h"
 #include "hdStf/tokens.h"
 #include "stfLib/render/denoiser.h"
 
@@ -43,6 +44,7 @@ void HdStfRenderDelegate::_Initialize() {
         }
     }
     _PopulateDefaultSettings(_settingDescriptors);
+    HdStfAnnounceShaderNode();
     HdStfAnnounceDelegate(this);
 }
 

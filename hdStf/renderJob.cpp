@@ -73,7 +73,8 @@ void _PutClearValue(std::vector<T>& pixels, int channels, std::vector<int32_t> c
 } // namespace
 
 HdStfRenderJob::HdStfRenderJob(stf::Scene& scene, HdStfMessages& messages)
-    : _scene(scene), _messages(messages), _renderer(stf::cachedTables(), stf::cachedMaps(), &stf::ReferenceIntegrator::maker) {
+    : _scene(scene), _messages(messages),
+      _renderer(stf::cachedTables(), stf::cachedMaps(), &stf::ReferenceIntegrator::maker) {
     _renderer.setMessages(
         [this](stf::Severity severity, std::string const& text) { _messages.Report(severity, text); });
     _thread.SetRenderCallback([this] { _Render(); });
@@ -113,6 +114,7 @@ void HdStfRenderJob::SetCamera(stf::Matrix4 const& worldToView, stf::Matrix4 con
 void HdStfRenderJob::SetAovBindings(HdRenderPassAovBindingVector const& bindings) {
     StopRender();
     _bindings.clear();
+    _wantsCoverage = false;
     _renderer.setClearColor(stf::Rgb(0.0f), 0.0f);
     for (HdRenderPassAovBinding const& binding : bindings) {
         auto* buffer = dynamic_cast<HdStfRenderBuffer*>(binding.renderBuffer);
@@ -132,9 +134,11 @@ void HdStfRenderJob::SetAovBindings(HdRenderPassAovBindingVector const& bindings
             const size_t given = HdStfClearComponents(binding.clearValue, color);
             _renderer.setClearColor({color[0], color[1], color[2]}, given > 3 ? color[3] : 1.0f);
         }
+        _wantsCoverage = _wantsCoverage || stf::aovIsCrypto(aov);
         buffer->ClearIfUnwritten(binding.clearValue);
         _bindings.push_back(binding);
     }
+    _renderer.keepCoverage(_wantsCoverage);
 }
 
 void HdStfRenderJob::ForgetBuffer(HdStfRenderBuffer const* buffer) {
@@ -236,6 +240,11 @@ void HdStfRenderJob::_RenderUntilConverged(stf::Progress& progress) {
     _renderer.prepare(_scene, progress);
     _renderer.restart();
     _TakeStats(false);
+    {
+        std::vector<std::string> names = _wantsCoverage ? _renderer.objectNames() : std::vector<std::string>();
+        std::lock_guard<std::mutex> lock(_progressMutex);
+        _progress.objectNames = std::move(names);
+    }
 
     _Clock::time_point lastWrite;
     double writeSeconds = 0;

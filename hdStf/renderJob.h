@@ -40,6 +40,7 @@ public:
         double clockSeconds = 0;
         stf::RenderStats stats;
         std::vector<stf::PlanEntry> plan;
+        std::vector<std::string> objectNames;     ///< of a cryptomatte, where one is rendered
         std::vector<stf::ForecastEntry> forecast; ///< instead of it, where no work is done
     };
 
@@ -105,6 +106,7 @@ private:
     HdStfWindow _window;
     bool _cameraUsable = false;
     bool _denoise = false;
+    bool _wantsCoverage = false;
     stf::RenderSettings _settings;
     int _samplesWanted = 0;
     _Clock::time_point _start;

@@ -12,9 +12,9 @@ stf::Scene& HdStfRenderParam::AcquireSceneForEdit() {
     return _scene;
 }
 
-void HdStfRenderParam::MarkPrimvarsDirty(HdChangeTracker& tracker) {
+void HdStfRenderParam::MarkAllDirty(HdChangeTracker& tracker, HdDirtyBits bits) {
     std::lock_guard<std::mutex> lock(_gate);
-    tracker.MarkAllRprimsDirty(HdChangeTracker::DirtyPrimvar);
+    tracker.MarkAllRprimsDirty(bits);
 }
 
 void HdStfRenderParam::ForgetBuffer(HdStfRenderBuffer const* buffer) {

@@ -40,8 +40,8 @@ public:
     /// worth asking how prims move.
     stf::Shutter GetShutter() const;
 
-    /// Has all rprims pull their primvars again, with this sync.
-    void MarkPrimvarsDirty(HdChangeTracker& tracker);
+    /// Has all rprims pull something again, with this sync.
+    void MarkAllDirty(HdChangeTracker& tracker, HdDirtyBits bits);
 
     /// A render buffer goes away: nothing may be written to it any more.
     void ForgetBuffer(HdStfRenderBuffer const* buffer);

@@ -2,6 +2,7 @@
 #include "hdStf/renderStats.h"
 
 #include "hdStf/tokens.h"
+#include "stfLib/render/cryptomatte.h"
 
 #include "pxr/base/tf/stringUtils.h"
 #include "pxr/base/vt/value.h"
@@ -81,6 +82,15 @@ std::string _Stage(HdStfRenderJob::Progress const& progress) {
     return progress.samplesDone > 0 ? "render" : progress.stage;
 }
 
+/// Names and ids as a cryptomatte's manifest has them.
+std::string _ManifestJson(std::vector<std::string> const& names) {
+    nlohmann::json manifest = nlohmann::json::object();
+    for (std::string const& name : names) {
+        manifest[name] = TfStringPrintf("%08x", stf::cryptomatteId(name));
+    }
+    return _Dump(manifest);
+}
+
 std::string _Annotation(HdStfRenderJob::Progress const& progress) {
     if (progress.finished) {
         return "done";
@@ -116,6 +126,9 @@ VtDictionary HdStfMakeRenderStats(HdStfRenderJob::Progress const& progress, HdSt
     set(HdStfStatsTokens->plan,
         progress.forecast.empty() ? _PlanJson(progress.plan) : _ForecastJson(progress.forecast));
     set(HdStfStatsTokens->messages, _MessagesJson(messages));
+    if (!progress.objectNames.empty()) {
+        set(HdStfStatsTokens->cryptoObject, _ManifestJson(progress.objectNames));
+    }
     set(HdStfStatsTokens->loadSeconds, progress.stats.loadSeconds);
     set(HdStfStatsTokens->precomputeSeconds, progress.stats.precomputeSeconds);
     set(HdStfStatsTokens->synthesisSeconds, progress.stats.synthesisSeconds);

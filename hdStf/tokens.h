@@ -30,7 +30,8 @@ PXR_NAMESPACE_OPEN_SCOPE
         (coreSeconds, "stf:coreSeconds"))((indirectSeconds, "stf:indirectSeconds"))((loadSeconds, "stf:loadSeconds"))( \
         (firstPixelSeconds, "stf:firstPixelSeconds"))((renderSeconds, "stf:renderSeconds"))(                           \
         (syntheses, "stf:syntheses"))((grids, "stf:grids"))((poses, "stf:poses"))((tableBytes, "stf:tableBytes"))(     \
-        (shellBytes, "stf:shellBytes"))((rays, "stf:rays"))((estimatedError, "stf:estimatedError"))
+        (shellBytes, "stf:shellBytes"))((rays, "stf:rays"))((estimatedError, "stf:estimatedError"))(                   \
+        (cryptoObject, "stf:cryptoObject"))
 
 /// Names a material network may be authored for.
 #define HDSTF_MATERIAL_TOKENS (stf)
@@ -38,7 +39,7 @@ PXR_NAMESPACE_OPEN_SCOPE
 /// Nodes and inputs of UsdPreviewSurface networks.
 #define HDSTF_NETWORK_TOKENS                                                                                           \
     (                                                                                                                  \
-        surface)(UsdPreviewSurface)(UsdUVTexture)(UsdTransform2d)(diffuseColor)(emissiveColor)(useSpecularWorkflow)(specularColor)(metallic)(roughness)(clearcoat)(clearcoatRoughness)(opacity)(opacityThreshold)(opacityMode)(ior)(normal)(displacement)(occlusion)(file)(st)(wrapS)(wrapT)(sourceColorSpace)(scale)(bias)(fallback)(rotation)(translation)(in)(varname)(displayColor)
+        surface)(UsdPreviewSurface)(UsdUVTexture)(UsdTransform2d)(diffuseColor)(emissiveColor)(useSpecularWorkflow)(specularColor)(metallic)(roughness)(clearcoat)(clearcoatRoughness)(opacity)(opacityThreshold)(opacityMode)(ior)(normal)(displacement)(occlusion)(file)(st)(wrapS)(wrapT)(sourceColorSpace)(scale)(bias)(fallback)(rotation)(translation)(in)(varname)(displayColor)(StfShell)
 
 TF_DECLARE_PUBLIC_TOKENS(HdStfRenderSettingsTokens, , HDSTF_RENDER_SETTINGS_TOKENS);
 TF_DECLARE_PUBLIC_TOKENS(HdStfPrimvarTokens, , HDSTF_PRIMVAR_TOKENS);

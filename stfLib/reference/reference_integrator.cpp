@@ -72,11 +72,12 @@ PixelSample ReferenceIntegrator::sample(const Ray& first, float time, PixelSampl
         const bool met = rays_.intersect(ray, hit);
         const float tMax = met ? hit.t : std::numeric_limits<float>::infinity();
         if (path_.lights == LightPath::Lights::All) {
-            add(path_.throughput * scene_.lights.mirrored(ray.origin, ray.direction, ray.tNear, tMax) * visited_.share);
+            add(path_.throughput * scene_.lights.mirrored(ray.origin, ray.direction, ray.tNear, tMax, 0, path_.links) *
+                visited_.share);
         } else if (path_.lights == LightPath::Lights::Shared) {
             add(path_.throughput *
                 scene_.lights.met(ray.origin, ray.direction, ray.tNear, tMax,
-                                  {path_.normal, path_.density, path_.domeSamples, path_.shadowless}));
+                                  {path_.normal, path_.density, path_.domeSamples, path_.shadowless, path_.links}));
             path_.shadowless = false;
         }
         visited_.share = 1; // what cones find is not beyond the first thing that is met
@@ -86,7 +87,7 @@ PixelSample ReferenceIntegrator::sample(const Ray& first, float time, PixelSampl
                 out_.color += path_.throughput * (dome ? scene_.lights.background(ray.direction) : scene_.clearColor);
                 out_.alpha += average(path_.throughput) * (dome ? 1.0f : scene_.clearAlpha);
             } else if (dome && path_.lights == LightPath::Lights::All) {
-                add(path_.throughput * scene_.lights.background(ray.direction));
+                add(path_.throughput * scene_.lights.background(ray.direction, path_.links));
             }
             return out_;
         }
@@ -112,7 +113,9 @@ PixelSample ReferenceIntegrator::sample(const Ray& first, float time, PixelSampl
             const PlainShader::Step step = plain_.shade(path_, instance, surfel, hit, sampler);
             if (step.covers) {
                 add(before * step.radiance);
-                out_.alpha += seen ? average(before) : 0.0f;
+                if (seen) {
+                    out_.cover(instance.objectId, average(before));
+                }
                 visited_ = {};
             }
             if (step.ends) {
@@ -143,7 +146,9 @@ bool ReferenceIntegrator::crossShell(const PreparedInstance& instance, const Sur
                     normalize(smoothNormal(*instance.mesh->surface, hit)), hit.geometricNormal, surfel.triangle, rng_,
                     state)) {
         reflected_ = seen;
-        out_.alpha += seen ? average(before) : 0.0f;
+        if (seen) {
+            out_.cover(instance.objectId, average(before));
+        }
         path_.mirror();
         path_.ray = Ray();
         path_.ray.direction = instance.worldDirection(state.direction);
@@ -156,7 +161,7 @@ bool ReferenceIntegrator::crossShell(const PreparedInstance& instance, const Sur
     inside_ = nullptr;
     add(shone);
     if (seen && !(out.left && state.scatterings == 0)) {
-        out_.alpha += average(before);
+        out_.cover(instance.objectId, average(before));
     }
     if (out.left) {
         leave(instance, out, state);
@@ -209,6 +214,7 @@ void ReferenceIntegrator::turned(const WalkVertex& v, const Vec3f& direction) {
         visited_.asked = Asked::Cones;
         visited_.share = density / (density + cones_.density(direction));
         path_.lights = LightPath::Lights::All;
+        path_.links = inside_->links;
         return;
     }
     visited_.asked = Asked::Straight;
@@ -217,6 +223,7 @@ void ReferenceIntegrator::turned(const WalkVertex& v, const Vec3f& direction) {
     path_.domeSamples = 1;
     path_.shadowless = true;
     path_.normal = inside_->worldNormal(v.normal);
+    path_.links = inside_->links;
 }
 
 // One light, any with the same chance.
@@ -229,7 +236,7 @@ Rgb ReferenceIntegrator::straightLight(const WalkVertex& v) {
     const Vec3f point = inside_->worldPoint(v.point);
     const float u1 = rng_.uniform(), u2 = rng_.uniform();
     const LightSample light = scene_.lights.sample(l, point, inside_->worldNormal(v.normal), {u1, u2});
-    if (!(maxComponent(light.irradiance) > 0)) {
+    if (!(maxComponent(light.irradiance) > 0) || (light.lit != 0 && (light.lit & inside_->links) == 0)) {
         return Rgb(0.0f);
     }
     Ray ray = shadowRay(point, light);

@@ -293,6 +293,7 @@ void CoreLighting::Impl::askLights(std::size_t i, SceneRays& rays) {
     }
     LightPick picks[kMaxLights];
     PixelSampler chooser(seed, i, 0);
+    rays.setReceiver(instance);
     const int chosen = lights.choose(place.worldPoint, place.worldNormal, chooser.next1d(), kMaxLights, picks);
     for (int p = 0; p < chosen; ++p) {
         const std::size_t l = picks[p].light;

@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stfLib/render/film.h"
 
+#include "stfLib/render/cryptomatte.h"
+
+#include <algorithm>
 #include <limits>
 
 namespace stf {
 
 namespace {
+
+constexpr std::size_t kMostObjects = 64; // that a pixel keeps apart
 
 struct AovInfo {
     const char* name;
@@ -31,6 +36,9 @@ constexpr AovInfo kAovs[] = {
     {"stf:multiple", Aov::StfMultiple, 3},
     {"stf:core", Aov::StfCore, 3},
     {"stf:reflection", Aov::StfReflection, 3},
+    {"cryptoObject00", Aov::CryptoObject00, 4},
+    {"cryptoObject01", Aov::CryptoObject01, 4},
+    {"cryptoObject02", Aov::CryptoObject02, 4},
 };
 
 const AovInfo& info(Aov aov) {
@@ -75,6 +83,8 @@ void Film::clear() {
     parts_.assign(n, Parts());
     hits_.assign(n, PixelHit());
     denoised_.clear();
+    coverage_.clear();
+    coverage_.resize(keepCoverage_ ? n : 0);
 }
 
 std::uint32_t Film::sampleCount(int x, int y) const {
@@ -96,6 +106,9 @@ void Film::add(int x, int y, const PixelSample& s) {
         b.squared += mean * mean;
         b.sum = Vec3d(0.0);
     }
+    if (!coverage_.empty()) {
+        addCoverage(i, s);
+    }
     const auto none = [](const Rgb& v) { return v.x == 0 && v.y == 0 && v.z == 0; };
     if (none(s.single) && none(s.multiple) && none(s.core) && none(s.reflection)) {
         return; // no shell: most of many pictures
@@ -105,6 +118,32 @@ void Film::add(int x, int y, const PixelSample& s) {
     p.multiple += Vec3d(s.multiple);
     p.core += Vec3d(s.core);
     p.reflection += Vec3d(s.reflection);
+}
+
+void Film::addCoverage(std::size_t i, const PixelSample& s) {
+    std::vector<PixelSample::Cover>& sums = coverage_[i];
+    for (int k = 0; k < s.coverCount; ++k) {
+        const PixelSample::Cover& cover = s.covers[k];
+        const auto known = std::find_if(sums.begin(), sums.end(),
+                                        [&](const PixelSample::Cover& c) { return c.object == cover.object; });
+        if (known != sums.end()) {
+            known->amount += cover.amount;
+        } else if (sums.size() < kMostObjects) {
+            sums.push_back(cover);
+        }
+    }
+}
+
+std::vector<PixelSample::Cover> Film::rankedCoverage(std::size_t i) const {
+    std::vector<PixelSample::Cover> ranked = coverage_[i];
+    std::sort(ranked.begin(), ranked.end(), [](const PixelSample::Cover& a, const PixelSample::Cover& b) {
+        return a.amount != b.amount ? a.amount > b.amount : a.object < b.object;
+    });
+    for (PixelSample::Cover& c : ranked) {
+        c.amount /= float(std::max(1u, pixels_[i].count));
+    }
+    ranked.resize(kCoverageRanks);
+    return ranked;
 }
 
 std::vector<float> Film::read(Aov aov) const {
@@ -164,6 +203,18 @@ std::vector<float> Film::read(Aov aov) const {
             break;
         case Aov::StfReflection:
             put(Rgb(parts_[i].reflection * exposed));
+            break;
+        case Aov::CryptoObject00:
+        case Aov::CryptoObject01:
+        case Aov::CryptoObject02:
+            if (!coverage_.empty()) {
+                const std::vector<PixelSample::Cover> ranked = rankedCoverage(i);
+                for (std::size_t k = 0; k < 2; ++k) {
+                    const PixelSample::Cover& r = ranked[2 * std::size_t(int(aov) - int(Aov::CryptoObject00)) + k];
+                    p[2 * k] = cryptomatteFloat(r.object);
+                    p[2 * k + 1] = r.amount;
+                }
+            }
             break;
         case Aov::PrimId:
         case Aov::InstanceId:

@@ -28,12 +28,20 @@ enum class Aov {
     StfSingle,
     StfMultiple,
     StfCore,
-    StfReflection
+    StfReflection,
+    CryptoObject00, ///< two ranks of id and coverage each (cryptomatte.h): the two that cover most, and so on
+    CryptoObject01,
+    CryptoObject02
 };
+constexpr int kCoverageRanks = 6; ///< in the three layers
 
 /// Token to Aov; false for a name that is not known.
 bool aovFromName(const std::string& name, Aov& aov);
 bool aovIsInteger(Aov aov);
+/// A layer of a cryptomatte.
+inline bool aovIsCrypto(Aov aov) {
+    return aov == Aov::CryptoObject00 || aov == Aov::CryptoObject01 || aov == Aov::CryptoObject02;
+}
 int aovChannels(Aov aov);
 
 /// What one camera sample adds to a pixel.
@@ -42,6 +50,25 @@ struct PixelSample {
     float alpha = 0;
     Rgb single{0.0f}, multiple{0.0f}, core{0.0f};
     Rgb reflection{0.0f}; ///< seen in the shell's surface, of whatever kind it is
+
+    /// Which objects the alpha is of.
+    struct Cover {
+        std::uint32_t object = 0; ///< cryptomatte's id
+        float amount = 0;
+    };
+    static constexpr int kMostCovers = 4; ///< what is seen through still more objects counts as the last one's
+    Cover covers[kMostCovers];
+    int coverCount = 0;
+    void cover(std::uint32_t object, float amount) {
+        alpha += amount;
+        for (int i = 0; i < coverCount; ++i) {
+            if (covers[i].object == object || i == kMostCovers - 1) {
+                covers[i].amount += amount;
+                return;
+            }
+        }
+        covers[coverCount++] = {object, amount};
+    }
 };
 
 /// What is seen through the middle of a pixel, written by the first sample.
@@ -82,6 +109,8 @@ public:
     bool hasDenoised() const { return !denoised_.empty(); }
     /// What colours are multiplied by when they are read, and variances by its square: 2^stops.
     void setExposure(double scale) { exposure_ = scale; }
+    /// Whether to keep which objects cover a pixel; from the next `clear` on. Costs memory.
+    void keepCoverage(bool keep) { keepCoverage_ = keep; }
 
     void add(int x, int y, const PixelSample& sample);
     /// Samples in a pixel so far: the number of the next one, so that an interrupted pass is taken up where it ended.
@@ -114,6 +143,9 @@ private:
     };
     Vec3d varianceOf(std::size_t pixel) const; ///< of the mean colour
     LuminanceEstimate luminanceOf(std::size_t pixel) const;
+    void addCoverage(std::size_t pixel, const PixelSample& sample);
+    /// The objects of a pixel that cover most of it, by rank: shares of the pixel.
+    std::vector<PixelSample::Cover> rankedCoverage(std::size_t pixel) const;
     std::size_t index(int x, int y) const { return std::size_t(y) * std::size_t(width_) + std::size_t(x); }
 
     int width_ = 0, height_ = 0;
@@ -123,6 +155,8 @@ private:
     std::vector<Parts> parts_;
     std::vector<PixelHit> hits_;
     std::vector<float> denoised_;
+    bool keepCoverage_ = false;
+    std::vector<std::vector<PixelSample::Cover>> coverage_; ///< per pixel, sums over its samples; empty: not kept
 };
 
 } // namespace stf

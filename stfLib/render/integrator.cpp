@@ -16,7 +16,7 @@ constexpr int kMaxSurfaces = 64; // of transparent shells along one ray
 constexpr float kFaint = 0.25f;
 
 /// Radians: paths of lobes so wide see no detail of a shell.
-constexpr float kWideSpread = 0.4f;
+constexpr float kBlindSpread = 0.4f;
 
 } // namespace
 
@@ -43,6 +43,7 @@ int Integrator::lightsOnShell(const PreparedInstance& instance, const Surfel& su
         return rays_.visibility(lifted + surfel.normal * scene_.rounding, light);
     };
     LightPick picks[kMaxLightsPerPath];
+    rays_.setReceiver(instance);
     const int chosen = rays_.chooseLights(surfel.point, surfel.normal, sampler, picks);
     for (int i = 0; i < chosen; ++i) {
         const std::size_t l = picks[i].light;
@@ -273,10 +274,12 @@ PixelSample Integrator::sample(const Bundle& bundle, int i, const RayCone& cone,
     if (!scene_.aroundCamera.empty()) {
         if (Rgb core(0.0f); !startWithin(path, core)) {
             collect(Rgb(0.0f), Rgb(0.0f), core);
-            out.alpha = 1;
+            out.cover(0, 1); // which core it is is not known
             return out;
         }
-        out.alpha = 1 - average(throughput);
+        if (path.withinCount > 0) {
+            out.cover(path.within[path.withinCount - 1]->objectId, 1 - average(throughput));
+        }
     }
     bool known = path.withinCount == 0; // what the ray meets
     for (int surface = 0; surface < kMaxSurfaces; ++surface) {
@@ -285,7 +288,9 @@ PixelSample Integrator::sample(const Bundle& bundle, int i, const RayCone& cone,
             const Interior r = crossInterior(around, path, cone, sampler);
             if (r.inside) {
                 collect(throughput * r.single, throughput * r.multiple, throughput * r.core);
-                out.alpha += path.seen() ? average(throughput - throughput * r.through) : 0.0f;
+                if (path.seen()) {
+                    out.cover(around.objectId, average(throughput - throughput * r.through));
+                }
                 throughput *= r.through;
                 if (!(maxComponent(throughput) > 0)) {
                     return out;
@@ -310,10 +315,12 @@ PixelSample Integrator::sample(const Bundle& bundle, int i, const RayCone& cone,
         const float tMax = met ? hit.t : std::numeric_limits<float>::infinity();
         if (path.lights == LightPath::Lights::All) {
             const float blur = scene_.regularize ? regularizedDisc(path.spread) : 0.0f;
-            add(throughput * scene_.lights.mirrored(ray.origin, ray.direction, ray.tNear, tMax, blur), path.bounced);
+            add(throughput * scene_.lights.mirrored(ray.origin, ray.direction, ray.tNear, tMax, blur, path.links),
+                path.bounced);
         } else if (path.lights == LightPath::Lights::Shared) {
-            add(throughput * scene_.lights.met(ray.origin, ray.direction, ray.tNear, tMax,
-                                               {path.normal, path.density, path.domeSamples, path.shadowless}),
+            add(throughput *
+                    scene_.lights.met(ray.origin, ray.direction, ray.tNear, tMax,
+                                      {path.normal, path.density, path.domeSamples, path.shadowless, path.links}),
                 path.bounced);
             path.shadowless = false;
         }
@@ -324,7 +331,7 @@ PixelSample Integrator::sample(const Bundle& bundle, int i, const RayCone& cone,
                 out.color += throughput * (dome ? scene_.lights.background(ray.direction) : scene_.clearColor);
                 out.alpha += average(throughput) * (dome ? 1.0f : scene_.clearAlpha);
             } else if (dome && path.lights == LightPath::Lights::All) {
-                add(throughput * scene_.lights.background(ray.direction), path.bounced);
+                add(throughput * scene_.lights.background(ray.direction, path.links), path.bounced);
             }
             return out;
         }
@@ -352,7 +359,9 @@ PixelSample Integrator::sample(const Bundle& bundle, int i, const RayCone& cone,
             const PlainShader::Step step = plain_.shade(path, instance, surfel, hit, sampler);
             if (step.covers) {
                 add(before * step.radiance, bounced);
-                out.alpha += seen ? average(before) : 0.0f;
+                if (seen) {
+                    out.cover(instance.objectId, average(before));
+                }
             }
             if (step.ends) {
                 return out;
@@ -373,7 +382,7 @@ PixelSample Integrator::sample(const Bundle& bundle, int i, const RayCone& cone,
         // Shells are lit as in air, also where they lie in another that refracts.
         const float footprint =
             (cone.at(path.travelled + hit.t) + path.spread * hit.t) * length(scaled) * shell->mmPerUnit;
-        const bool kept = path.bounced && path.spread >= kWideSpread && path.index == 1 && scene_.glow &&
+        const bool kept = path.bounced && path.spread >= kBlindSpread && path.index == 1 && scene_.glow &&
                           scene_.glow->holds(instance.index);
         ShellMeeting m = kept ? meetKept(instance, surfel, ray, hit)
                               : meetShell(instance, surfel, ray, hit, path.index * path.index, footprint,
@@ -390,7 +399,7 @@ PixelSample Integrator::sample(const Bundle& bundle, int i, const RayCone& cone,
         out.reflection += path.seen() ? throughput * m.reflection : Rgb(0.0f);
         const Rgb through = throughput * m.through, reflected = throughput * m.reflected;
         if (path.seen()) {
-            out.alpha += average(throughput - through);
+            out.cover(instance.objectId, average(throughput - through));
         }
         // Where both bring something, one is taken by its share.
         const float a = maxComponent(through), b = maxComponent(reflected);
@@ -407,6 +416,7 @@ PixelSample Integrator::sample(const Bundle& bundle, int i, const RayCone& cone,
             path.met = true;
         }
         if (mirror) {
+            path.links = instance.links;
             path.mirror();
         }
         ray = mirror ? m.mirrorRay : m.onward;

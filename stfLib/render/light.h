@@ -3,6 +3,7 @@
 
 #include "stfLib/base/transform.h"
 
+#include <cstdint>
 #include <string>
 
 namespace stf {
@@ -22,6 +23,9 @@ struct LightShaping {
                iesNormalize == s.iesNormalize;
     }
 };
+
+/// Of who belongs to every link.
+constexpr std::uint64_t kAllLinks = ~std::uint64_t(0);
 
 /// A light as UsdLux describes it. `emission` = color * colour temperature * intensity * 2^exposure.
 struct Light {
@@ -46,12 +50,15 @@ struct Light {
     LightShaping shaping; ///< of lights with an area
     bool shadows = true;
     bool visible = true;
+    /// Links: only prims that belong to the first are lit by it, only those that belong to the second throw its
+    /// shadows. Empty: all.
+    std::string lightLink, shadowLink;
 
     bool operator==(const Light& l) const {
         return type == l.type && lightToWorld == l.lightToWorld && emission == l.emission && angle == l.angle &&
                normalize == l.normalize && radius == l.radius && width == l.width && height == l.height &&
                length == l.length && textureFile == l.textureFile && shaping == l.shaping && shadows == l.shadows &&
-               visible == l.visible;
+               visible == l.visible && lightLink == l.lightLink && shadowLink == l.shadowLink;
     }
 };
 

@@ -3,6 +3,7 @@
 
 #include "stfLib/base/vec.h"
 #include "stfLib/render/camera.h"
+#include "stfLib/render/light.h"
 
 #include <algorithm>
 
@@ -34,11 +35,12 @@ struct LightPath {
     /// What the ray takes with it of lights that samples of them find as well.
     enum class Lights { None, Shared, All };
     Lights lights = Lights::None;
-    bool lightsOnly = false; ///< the path ends here: the ray only looks for lights
-    float density = 0;       ///< shared: per solid angle, of the ray's direction
-    int domeSamples = 1;     ///< and how often a dome was asked
-    bool glowShared = false; ///< samples of what leaves shells were taken as well
-    Vec3f normal;            ///< and where: of the surface that the ray leaves
+    bool lightsOnly = false;         ///< the path ends here: the ray only looks for lights
+    float density = 0;               ///< shared: per solid angle, of the ray's direction
+    int domeSamples = 1;             ///< and how often a dome was asked
+    bool glowShared = false;         ///< samples of what leaves shells were taken as well
+    Vec3f normal;                    ///< and where: of the surface that the ray leaves
+    std::uint64_t links = kAllLinks; ///< of who gets the lights that the ray meets
     bool shadowless = false; ///< and whether lights without shadows, found wherever they are, are still to be met
 
     /// Shells that the ray's origin may lie in, those entered last at the end: what is met inside of a shell ends the

@@ -6,6 +6,7 @@ namespace stf {
 namespace {
 
 constexpr float kPi = 3.14159265358979f;
+constexpr int kMostLinks = 64; // one bit each
 /// Half angle, degrees, from which on a distant light is seen in mirrors: a smaller disc would be met by so few paths
 /// that it is noise.
 constexpr double kMirroredDegrees = 2;
@@ -60,6 +61,8 @@ LightSet::LightSet(const std::map<std::string, Light>& lights, const MessageSink
         p.light = light;
         p.emission = light.emission;
         p.shadows = light.shadows;
+        p.lit = linkBit(id, light.lightLink, messages);
+        p.shading = linkBit(id, light.shadowLink, messages);
         anyShadowless_ = anyShadowless_ || !light.shadows;
         if (light.type == Light::Type::Dome) {
             p.dome = DomeLight(id, light, messages);
@@ -74,6 +77,32 @@ LightSet::LightSet(const std::map<std::string, Light>& lights, const MessageSink
     }
     hostLights_ = lights_.size();
     place(Vec3d(0.0));
+}
+
+std::uint64_t LightSet::linkBit(const std::string& id, const std::string& name, const MessageSink& messages) {
+    if (name.empty()) {
+        return 0;
+    }
+    const auto known = links_.find(name);
+    if (known != links_.end()) {
+        return known->second;
+    }
+    if (links_.size() == std::size_t(kMostLinks)) {
+        report(messages, Severity::Error,
+               id + ": there are more than " + std::to_string(kMostLinks) +
+                   " collections that lights are linked by; it lights, or is shadowed by, everything");
+        return 0;
+    }
+    return links_[name] = std::uint64_t(1) << links_.size();
+}
+
+std::uint64_t LightSet::linksOf(const std::vector<std::string>& names) const {
+    std::uint64_t bits = 0;
+    for (const std::string& name : names) {
+        const auto it = links_.find(name);
+        bits |= it == links_.end() ? 0 : it->second;
+    }
+    return bits;
 }
 
 void LightSet::widen(Light& light, float angle) {
@@ -187,6 +216,8 @@ LightSample LightSet::sample(std::size_t index, const Vec3f& point, const Vec3f&
     const Prepared& l = lights_[index];
     LightSample s;
     s.shadows = l.shadows;
+    s.lit = l.lit;
+    s.shading = l.shading;
     if (l.type == Light::Type::Dome) {
         s.irradiance = l.dome.sample(normal, u, s.towards, s.density);
     } else if (l.type == Light::Type::Distant) {
@@ -214,10 +245,10 @@ LightSample LightSet::sample(std::size_t index, const Vec3f& point, const Vec3f&
     return s;
 }
 
-Rgb LightSet::background(const Vec3f& direction) const {
+Rgb LightSet::background(const Vec3f& direction, std::uint64_t links) const {
     Rgb sum(0.0f);
     for (std::size_t i : far_) {
-        if (lights_[i].type == Light::Type::Dome) {
+        if (lights_[i].type == Light::Type::Dome && lights_[i].reaches(links)) {
             sum += lights_[i].dome.radiance(direction);
         }
     }
@@ -255,7 +286,7 @@ void LightSet::along(const Way& w, Visit&& visit) const {
     };
     for (std::size_t i : far_) {
         const Prepared& l = lights_[i];
-        if (!l.seenAlong() || !meets(l, infinity)) {
+        if (!l.seenAlong() || !l.reaches(w.links) || !meets(l, infinity)) {
             continue;
         }
         const double cosine = std::min(double(l.cosAngle), std::cos(double(w.blur)));
@@ -266,7 +297,7 @@ void LightSet::along(const Way& w, Visit&& visit) const {
     tree_.along(w.origin, w.direction, w.sampled && w.shadowless && anyShadowless_ ? infinity : w.tMax,
                 [&](std::size_t i) {
                     const Prepared& l = lights_[i];
-                    if (l.mesh) {
+                    if (l.mesh || !l.reaches(w.links)) {
                         return;
                     }
                     const float t = l.shape.intersect(w.origin, w.direction);
@@ -285,9 +316,10 @@ float LightSet::emitterDensity(std::uint32_t instance, float distance, float cos
     return solid > 0 ? 1 / solid : std::numeric_limits<float>::infinity();
 }
 
-Rgb LightSet::mirrored(const Vec3f& origin, const Vec3f& direction, float tNear, float tMax, float blur) const {
+Rgb LightSet::mirrored(const Vec3f& origin, const Vec3f& direction, float tNear, float tMax, float blur,
+                       std::uint64_t links) const {
     Rgb sum(0.0f);
-    along({origin, direction, tNear, tMax, false, false, blur},
+    along({origin, direction, tNear, tMax, false, false, blur, links},
           [&](const Prepared&, const Rgb& radiance, float) { sum += radiance; });
     return sum;
 }
@@ -297,7 +329,7 @@ Rgb LightSet::met(const Vec3f& origin, const Vec3f& direction, float tNear, floa
     const auto add = [&](const Rgb& radiance, float sampled) {
         sum += radiance * (chosen.density / (chosen.density + sampled));
     };
-    along({origin, direction, tNear, tMax, true, chosen.shadowless, 0},
+    along({origin, direction, tNear, tMax, true, chosen.shadowless, 0, chosen.links},
           [&](const Prepared& l, const Rgb& radiance, float t) {
               float sampled = 0;
               if (l.type == Light::Type::Distant) {
@@ -310,7 +342,7 @@ Rgb LightSet::met(const Vec3f& origin, const Vec3f& direction, float tNear, floa
     const bool free = !(tMax < std::numeric_limits<float>::infinity());
     for (std::size_t i : far_) {
         const Prepared& l = lights_[i];
-        if (l.type == Light::Type::Dome && (l.shadows ? free : chosen.shadowless)) {
+        if (l.type == Light::Type::Dome && l.reaches(chosen.links) && (l.shadows ? free : chosen.shadowless)) {
             add(l.dome.radiance(direction), float(chosen.domeSamples) * l.dome.density(chosen.normal, direction));
         }
     }

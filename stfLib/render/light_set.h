@@ -27,6 +27,8 @@ struct LightSample {
     bool shadows = true;                                     ///< false: nothing throws a shadow
     bool onMesh = false;                                     ///< of a mesh that shines, which rays meet as geometry,
     Vec3f point;                                             ///< at this point
+    std::uint64_t lit = 0;     ///< links of which one lets a prim get this light; 0: all do
+    std::uint64_t shading = 0; ///< links of which one lets a prim throw its shadow; 0: all do
 };
 
 /// From a point to just before the light.
@@ -72,6 +74,9 @@ public:
     /// and these meshes are lights too.
     void place(const Vec3d& origin, const std::vector<MeshEmitter>& meshes = {});
 
+    /// The bits of links by their names; names that no light has count for nothing.
+    std::uint64_t linksOf(const std::vector<std::string>& names) const;
+
     std::size_t count() const { return lights_.size(); }
     /// How many of them are meshes.
     std::size_t meshCount() const { return emitters_.size(); }
@@ -90,23 +95,26 @@ public:
 
     /// A dome without bright spots: its light can be kept like that of surfaces.
     bool isSmoothDome(std::size_t light) const {
-        return isDome(light) && lights_[light].shadows && lights_[light].dome.smooth();
+        const Prepared& l = lights_[light];
+        return isDome(light) && l.shadows && l.lit == 0 && l.shading == 0 && l.dome.smooth();
     }
-    /// Radiance of what lies behind everything, in a direction.
-    Rgb background(const Vec3f& direction) const;
+    /// Radiance of what lies behind everything, in a direction. `links`: of who gets that light; the camera sees all.
+    Rgb background(const Vec3f& direction, std::uint64_t links = kAllLinks) const;
     /// Of the smooth domes alone.
     Rgb smoothBackground(const Vec3f& direction) const;
     bool hasDome() const;
     /// Radiance of the lights with an area, and of wide distant ones, that a mirrored ray meets between `tNear` and
     /// `tMax`. Rays of the camera do not see them, as in other renderers. `blur`: least half angle, radians, of the
-    /// discs of those distant lights, which give the same light all in all.
-    Rgb mirrored(const Vec3f& origin, const Vec3f& direction, float tNear, float tMax, float blur = 0) const;
+    /// discs of those distant lights, which give the same light all in all. `links`: of who gets it.
+    Rgb mirrored(const Vec3f& origin, const Vec3f& direction, float tNear, float tMax, float blur = 0,
+                 std::uint64_t links = kAllLinks) const;
     /// How a ray's direction was chosen where `sample` was asked as well.
     struct Chosen {
         Vec3f normal;    ///< of the surface that the ray leaves
         float density;   ///< of its direction, per solid angle
         int domeSamples; ///< for each dome; of any other light there was one
         bool shadowless; ///< lights without shadows are met as well, which samples find behind whatever is there
+        std::uint64_t links = kAllLinks; ///< of the surface
     };
     /// The same as `mirrored` and, where nothing is met, the domes, for such a ray: their shares by the balance
     /// heuristic (Veach 1997).
@@ -131,6 +139,8 @@ private:
         Transform worldToLight;
         LatLongImage image; ///< of a rectangle
         bool shadows = true;
+        std::uint64_t lit = 0, shading = 0; ///< links; 0: all
+        bool reaches(std::uint64_t links) const { return lit == 0 || (lit & links) != 0; }
         Rgb radiance(const Vec3f& direction, const Vec3f& at) const;
         bool seenAlong() const;
     };
@@ -139,12 +149,16 @@ private:
         float tNear, tMax;
         bool sampled, shadowless; ///< sampled: lights without shadows are met wherever they are, if `shadowless`
         float blur;               ///< half angle
+        std::uint64_t links;
     };
     /// Calls visit(light, radiance, distance) for what lies on a way.
     template<class Visit>
     void along(const Way& way, Visit&& visit) const;
     bool prepareArea(const std::string& id, Prepared& light, const MessageSink& messages) const;
 
+    std::uint64_t linkBit(const std::string& id, const std::string& name, const MessageSink& messages);
+
+    std::map<std::string, std::uint64_t> links_;
     std::vector<Prepared> lights_;                            ///< meshes last
     std::size_t hostLights_ = 0;                              ///< those before the meshes
     std::unordered_map<std::uint32_t, std::size_t> emitters_; ///< light by instance

@@ -42,6 +42,7 @@ PlainShader::Vertex PlainShader::vertexAt(const PreparedInstance& instance, cons
                                           const Vec3f& direction, float spread) const {
     Vertex v;
     v.at = pointAt(instance, surfel, hit);
+    v.instance = &instance;
     if (spread > 0 && scene_.regularize) {
         const float least = std::sqrt(regularizedAlpha(spread)); // roughness
         v.at.roughness = std::max(v.at.roughness, least);
@@ -75,6 +76,7 @@ Rgb PlainShader::direct(const Vertex& v, const PreviewBsdf& bsdf, int domeDirect
                         PixelSampler& sampler) {
     Rgb sum(0.0f);
     LightPick picks[kMaxLightsPerPath];
+    rays_.setReceiver(*v.instance);
     const int count = rays_.chooseLights(v.point, v.z, sampler, picks);
     for (int i = 0; i < count; ++i) {
         const std::size_t l = picks[i].light;
@@ -195,6 +197,7 @@ PlainShader::Step PlainShader::shade(LightPath& path, const PreparedInstance& in
     path.domeSamples = domes;
     path.glowShared = glowing;
     path.normal = v.z;
+    path.links = instance.links;
     path.shadowless = true;
     path.ray = Ray();
     path.ray.origin = v.origin;

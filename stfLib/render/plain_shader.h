@@ -57,6 +57,7 @@ private:
         Vec3f geometric; // on the side of the ray
         Vec3f out;       // in the frame
         PreviewPoint at;
+        const PreparedInstance* instance = nullptr;
         Vec3f toLocal(const Vec3f& d) const { return {dot(d, x), dot(d, y), dot(d, z)}; }
         Vec3f toWorld(const Vec3f& d) const { return normalize(x * d.x + y * d.y + z * d.z); }
     };

@@ -29,11 +29,13 @@ struct PreparedInstance {
     std::uint32_t index = 0;                       ///< in the scene
     std::shared_ptr<const PlainMaterial> material; ///< of a plain surface; null: its displayColor
     std::int32_t primId = -1, instanceId = -1;
-    Box3f bounds;             ///< world
-    bool overlapped = false;  ///< another instance's bounds overlap: its surfaces may lie inside this shell
-    std::vector<Rgb> core;    ///< radiance leaving the core, per sample of the shell's grid; empty for a black one
-    IndirectLight indirect;   ///< on a shell; empty: none
-    std::vector<Rgb> exitant; ///< radiance leaving a shell, mean by the cosine, per point; empty: no shell sees it
+    std::uint32_t objectId = 0; ///< of its name, for cryptomattes
+    std::uint64_t links = 0;    ///< light and shadow links that it belongs to (LightSet::linksOf)
+    Box3f bounds;               ///< world
+    bool overlapped = false;    ///< another instance's bounds overlap: its surfaces may lie inside this shell
+    std::vector<Rgb> core;      ///< radiance leaving the core, per sample of the shell's grid; empty for a black one
+    IndirectLight indirect;     ///< on a shell; empty: none
+    std::vector<Rgb> exitant;   ///< radiance leaving a shell, mean by the cosine, per point; empty: no shell sees it
 
     /// A normal of object space in the world, unit: what a map does to normals is the transpose of its inverse.
     Vec3f worldNormal(const Vec3f& n) const { return normalize(Vec3f(worldToObject.transposed(Vec3d(n)))); }

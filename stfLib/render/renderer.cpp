@@ -3,12 +3,14 @@
 
 #include "stfLib/base/parallel.h"
 #include "stfLib/render/adaptive_sampling.h"
+#include "stfLib/render/cryptomatte.h"
 #include "stfLib/render/denoiser.h"
 #include "stfLib/render/instance_bounds.h"
 #include "stfLib/render/integrator.h"
 #include "stfLib/render/light_balance.h"
 #include "stfLib/render/pixel_filter.h"
 #include "stfLib/render/shell_builder.h"
+#include "stfLib/surface/split_parts.h"
 #include "stfLib/transport/precompute.h"
 
 #include <algorithm>
@@ -51,6 +53,11 @@ PixelFilter filterOf(const RenderSettings& settings) {
     return PixelFilter(shape, settings.pixelFilterWidth);
 }
 
+const std::string& materialIdOf(const SceneMesh& m, int part) {
+    return part > 0 && std::size_t(part) <= m.partMaterials.size() ? m.partMaterials[std::size_t(part - 1)]
+                                                                   : m.material;
+}
+
 } // namespace
 
 struct Renderer::Impl {
@@ -73,10 +80,18 @@ struct Renderer::Impl {
         float quality = 0;
         std::uint64_t tableSeed = 0;
         std::string transport, integrator;
-        std::shared_ptr<const PreparedMesh> mesh; // null where nothing can be drawn
+        struct Part {
+            std::shared_ptr<const PreparedMesh> mesh;
+            int number = 0; // of ControlMesh::faceParts
+        };
+        std::vector<Part> parts; // none where nothing can be drawn
         std::vector<PlanEntry> plan;
     };
 
+    /// A mesh with a shell is whole.
+    static const ShellObject* shellOf(const Kept& k) {
+        return k.parts.empty() ? nullptr : k.parts.front().mesh->shell.get();
+    }
     void prepareMesh(const std::string& id, const SceneMesh& m, double metersPerUnit, Kept& kept, Progress& progress);
     void placeInstances(const Scene& source);
     std::size_t placeLights();
@@ -88,7 +103,7 @@ struct Renderer::Impl {
         return camera.moves() || std::any_of(scene->instances.begin(), scene->instances.end(),
                                              [](const PreparedInstance& i) { return !i.motion.empty(); });
     }
-    std::shared_ptr<const PlainMaterial> materialOf(const SceneMesh& mesh, const Scene& source);
+    std::shared_ptr<const PlainMaterial> materialOf(const std::string& material, const Scene& source);
     bool traces() const { return settings.integrator != kTables; }
     LightSet lightsOf(const Scene& source);
     void balanceLight(Progress& progress);
@@ -117,6 +132,7 @@ struct Renderer::Impl {
     TextureStore textures;
     std::map<std::string, std::shared_ptr<const PlainMaterial>> materials; // of what is drawn
     std::unique_ptr<PreparedScene> scene;
+    std::set<std::string> objects; ///< names of what is drawn
     Rgb clearColor{0.0f};
     float clearAlpha = 0;
     std::uint64_t preparedVersion = 0, lightVersion = 0;
@@ -142,10 +158,9 @@ void Renderer::Impl::prepareMesh(const std::string& id, const SceneMesh& m, doub
     k.tableSeed = settings.tableSeed;
     k.transport = settings.transport;
     k.integrator = settings.integrator;
-    k.mesh = nullptr;
+    k.parts.clear();
     k.plan.clear();
     ControlMesh mesh = *m.mesh;
-    auto prepared = std::make_shared<PreparedMesh>();
     try {
         const MeshRepairs repairs = sanitize(mesh);
         if (const std::string summary = repairs.summary(); !summary.empty()) {
@@ -157,12 +172,13 @@ void Renderer::Impl::prepareMesh(const std::string& id, const SceneMesh& m, doub
     }
     if (m.stf) {
         try {
+            auto prepared = std::make_shared<PreparedMesh>();
             auto shell =
                 builder.build(id, mesh, m.refineLevel, *m.stf, metersPerUnit, settings, progress, stats, k.plan);
             prepared->surface = shell->surface;
             prepared->rayMesh = shell->rayMesh;
             prepared->shell = shell;
-            k.mesh = prepared;
+            k.parts = {{prepared, 0}};
             return;
         } catch (const Cancelled&) {
             k.meshVersion = 0; // again next time
@@ -182,25 +198,29 @@ void Renderer::Impl::prepareMesh(const std::string& id, const SceneMesh& m, doub
             }
             options.targetEdge = box.diagonal() / 100;
         }
-        auto surface = std::make_shared<const RefinedSurface>(
-            refine(mesh, options, [&](Severity s, const std::string& text) { say(s, id + ": " + text); }));
-        prepared->rayMesh = std::make_shared<const RayMesh>(surface->points, surface->triangles);
-        prepared->surface = surface;
-        k.mesh = prepared;
+        RefinedSurface whole =
+            refine(mesh, options, [&](Severity s, const std::string& text) { say(s, id + ": " + text); });
+        for (SurfacePart& part : splitByPart(std::move(whole), mesh.faceParts)) {
+            auto prepared = std::make_shared<PreparedMesh>();
+            prepared->surface = std::make_shared<const RefinedSurface>(std::move(part.surface));
+            prepared->rayMesh =
+                std::make_shared<const RayMesh>(prepared->surface->points, prepared->surface->triangles);
+            k.parts.push_back({prepared, part.number});
+        }
     } catch (const Error& e) {
         say(Severity::Error, id + ": mesh " + e.what());
     }
 }
 
 // Only what a plain surface shows is looked up, and only what changed is made anew.
-std::shared_ptr<const PlainMaterial> Renderer::Impl::materialOf(const SceneMesh& m, const Scene& source) {
-    const auto it = source.materials().find(m.material);
+std::shared_ptr<const PlainMaterial> Renderer::Impl::materialOf(const std::string& material, const Scene& source) {
+    const auto it = source.materials().find(material);
     if (it == source.materials().end()) {
         return nullptr;
     }
-    std::shared_ptr<const PlainMaterial>& made = materials[m.material];
+    std::shared_ptr<const PlainMaterial>& made = materials[material];
     if (!made || !(made->surface() == it->second)) {
-        made = std::make_shared<const PlainMaterial>(m.material, it->second, textures,
+        made = std::make_shared<const PlainMaterial>(material, it->second, textures,
                                                      [this](Severity s, const std::string& text) { say(s, text); });
     }
     return made;
@@ -320,26 +340,33 @@ void Renderer::Impl::planCamera(const Scene& source) {
 void Renderer::Impl::placeInstances(const Scene& source) {
     std::vector<RayInstance> rays;
     scene->instances.clear();
+    objects.clear();
     std::set<std::string> bound;
     for (const auto& [id, m] : source.meshes()) {
         if (m.visible) {
             bound.insert(m.material);
+            bound.insert(m.partMaterials.begin(), m.partMaterials.end());
         }
     }
     for (auto it = materials.begin(); it != materials.end();) {
         it = bound.count(it->first) && source.materials().count(it->first) ? std::next(it) : materials.erase(it);
     }
+    const auto drawn = [&](const std::string& id, const SceneMesh& m) -> const std::vector<Kept::Part>& {
+        static const std::vector<Kept::Part> none;
+        const auto it = kept.find(id);
+        return m.visible && it != kept.end() ? it->second.parts : none;
+    };
     // The middle of the scene, in double precision.
     Vec3d low(1e300), high(-1e300);
     for (const auto& [id, m] : source.meshes()) {
-        const auto it = kept.find(id);
-        if (!m.visible || it == kept.end() || !it->second.mesh) {
-            continue;
+        Box3f box;
+        for (const Kept::Part& part : drawn(id, m)) {
+            box.add(part.mesh->surface->bounds.lo);
+            box.add(part.mesh->surface->bounds.hi);
         }
-        const Box3f& box = it->second.mesh->surface->bounds;
         for (const MeshInstance& i : m.instances) {
             const Vec3d p = i.objectToWorld.point((Vec3d(box.lo) + Vec3d(box.hi)) * 0.5);
-            for (int a = 0; a < 3 && isFinite(p); ++a) {
+            for (int a = 0; a < 3 && !box.empty() && isFinite(p); ++a) {
                 low[a] = std::min(low[a], p[a]);
                 high[a] = std::max(high[a], p[a]);
             }
@@ -347,8 +374,8 @@ void Renderer::Impl::placeInstances(const Scene& source) {
     }
     scene->origin = low.x <= high.x ? (low + high) * 0.5 : Vec3d(0.0);
     for (const auto& [id, m] : source.meshes()) {
-        const auto it = kept.find(id);
-        if (!m.visible || it == kept.end() || !it->second.mesh) {
+        const std::vector<Kept::Part>& parts = drawn(id, m);
+        if (parts.empty()) {
             continue;
         }
         for (const MeshInstance& i : m.instances) {
@@ -357,12 +384,6 @@ void Renderer::Impl::placeInstances(const Scene& source) {
                 continue;
             }
             PreparedInstance p;
-            p.mesh = it->second.mesh;
-            p.material = p.mesh->shell ? nullptr : materialOf(m, source);
-            if (p.material && p.material->usesUvs() && p.mesh->surface->uvTriangles.empty()) {
-                say(Severity::Warning, id + ": material " + m.material +
-                                           " has textures, but the mesh has no texture coordinates; (0, 0) is read");
-            }
             p.objectToWorld = i.objectToWorld;
             p.objectToWorld.translation -= scene->origin;
             p.motion = motionSteps(i.motion, camera.optics().shutter);
@@ -380,14 +401,28 @@ void Renderer::Impl::placeInstances(const Scene& source) {
             p.worldToObject = p.objectToWorld.inverse();
             p.primId = m.primId;
             p.instanceId = i.instanceId;
-            p.index = std::uint32_t(scene->instances.size());
-            RayInstance r;
-            r.mesh = p.mesh->rayMesh;
-            r.objectToWorld = p.objectToWorld;
-            r.motion = p.motion;
-            r.id = p.index;
-            rays.push_back(r);
-            scene->instances.push_back(std::move(p));
+            p.objectId = cryptomatteId(i.name.empty() ? id : i.name);
+            p.links = scene->lights.linksOf(m.links) | scene->lights.linksOf(i.links);
+            objects.insert(i.name.empty() ? id : i.name);
+            for (const Kept::Part& part : parts) {
+                PreparedInstance placed = p;
+                placed.mesh = part.mesh;
+                const std::string& look = materialIdOf(m, part.number);
+                placed.material = placed.mesh->shell ? nullptr : materialOf(look, source);
+                if (placed.material && placed.material->usesUvs() && placed.mesh->surface->uvTriangles.empty()) {
+                    say(Severity::Warning,
+                        id + ": material " + look +
+                            " has textures, but the mesh has no texture coordinates; (0, 0) is read");
+                }
+                placed.index = std::uint32_t(scene->instances.size());
+                RayInstance r;
+                r.mesh = placed.mesh->rayMesh;
+                r.objectToWorld = placed.objectToWorld;
+                r.motion = placed.motion;
+                r.id = placed.index;
+                rays.push_back(r);
+                scene->instances.push_back(std::move(placed));
+            }
         }
     }
     findOverlaps(scene->instances);
@@ -438,6 +473,14 @@ void Renderer::setCamera(const Camera& camera, const FrameWindow& window) {
 void Renderer::setClearColor(const Rgb& color, float alpha) {
     impl_->clearColor = color;
     impl_->clearAlpha = alpha;
+}
+
+void Renderer::keepCoverage(bool keep) {
+    impl_->film.keepCoverage(keep);
+}
+
+std::vector<std::string> Renderer::objectNames() const {
+    return {impl_->objects.begin(), impl_->objects.end()};
 }
 
 void Renderer::prepare(const Scene& source, Progress& progress) {
@@ -510,7 +553,7 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
     std::set<const StfTable*> tables;
     std::set<const ShellGrid*> grids;
     for (const auto& [id, k] : s.kept) {
-        if (const ShellObject* shell = k.mesh ? k.mesh->shell.get() : nullptr) {
+        if (const ShellObject* shell = Impl::shellOf(k)) {
             if (grids.insert(shell->grid.get()).second) {
                 s.stats.shellBytes += shell->grid->memoryBytes();
             }
@@ -529,6 +572,7 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
 void Renderer::Impl::balanceLight(Progress& progress) {
     scene->maxDepth = settings.maxDepth;
     scene->irradianceCache = settings.irradianceCache;
+    scene->glow = nullptr; // of instances that are gone; path tracing finds shells by itself
     if (traces()) {
         scenePlan.push_back({"scene", "core", false, "path traced", 0});
         scenePlan.push_back({"scene", "indirect", false, "path traced", 0});
@@ -559,7 +603,7 @@ void Renderer::Impl::balanceLight(Progress& progress) {
 LightSet Renderer::Impl::lightsOf(const Scene& source) {
     const MessageSink messages = [this](Severity v, const std::string& text) { say(v, text); };
     const bool refracts = std::any_of(kept.begin(), kept.end(), [](const auto& k) {
-        return k.second.mesh && k.second.mesh->shell && k.second.mesh->shell->medium->refracts();
+        return shellOf(k.second) && shellOf(k.second)->medium->refracts();
     });
     if (!traces() || !refracts) {
         return LightSet(source.lights(), messages);

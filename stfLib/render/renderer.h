@@ -96,6 +96,9 @@ public:
     /// Background where no dome covers it: colour and alpha. The camera's exposure does not touch it.
     void setClearColor(const Rgb& color, float alpha);
 
+    /// Whether the film keeps which objects cover a pixel, for the AOVs of cryptomattes; restarts nothing by itself.
+    void keepCoverage(bool keep);
+
     /// Brings everything derived up to date with the scene: only what an edit touched. A mesh whose preparation fails
     /// is reported once with its id and left out or drawn with its displayColor. Throws Cancelled.
     void prepare(const Scene& scene, Progress& progress);
@@ -112,6 +115,8 @@ public:
     const Film& film() const;
     RenderStats stats() const;
     std::vector<PlanEntry> plan() const;
+    /// Names of all objects that are drawn, each once, sorted: cryptomattes know them by these.
+    std::vector<std::string> objectNames() const;
 
 private:
     struct Impl;

@@ -57,6 +57,24 @@ void Scene::setMeshMaterial(const std::string& id, const std::string& material) 
     }
 }
 
+void Scene::setPartMaterials(const std::string& id, std::vector<std::string> materials) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    SceneMesh& m = meshes_[id];
+    if (m.partMaterials != materials) {
+        m.partMaterials = std::move(materials);
+        m.instanceVersion = ++version_;
+    }
+}
+
+void Scene::setLinks(const std::string& id, std::vector<std::string> links) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    SceneMesh& m = meshes_[id];
+    if (m.links != links) {
+        m.links = std::move(links);
+        m.instanceVersion = ++version_;
+    }
+}
+
 void Scene::setMaterial(const std::string& id, const PreviewSurface& surface) {
     const std::lock_guard<std::mutex> lock(mutex_);
     const auto [it, isNew] = materials_.try_emplace(id, surface);

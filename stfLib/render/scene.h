@@ -22,8 +22,12 @@ struct MeshInstance {
     Transform objectToWorld; ///< at the present time
     std::int32_t instanceId = 0;
     std::vector<TransformSample> motion; ///< objectToWorld around it; empty: at rest
+    std::string name = {};               ///< by which cryptomattes know it; empty: the mesh's id
+    /// Which of the light and shadow links (`Light`) it belongs to, beside those of the mesh.
+    std::vector<std::string> links = {};
     bool operator==(const MeshInstance& i) const {
-        return objectToWorld == i.objectToWorld && instanceId == i.instanceId && motion == i.motion;
+        return objectToWorld == i.objectToWorld && instanceId == i.instanceId && motion == i.motion && name == i.name &&
+               links == i.links;
     }
 };
 
@@ -34,7 +38,10 @@ struct SceneMesh {
     int refineLevel = 0;
     std::optional<StfBinding> stf;
     std::string material; ///< id of what is bound; empty or unknown: displayColor
+    /// Of parts from 1 on (`ControlMesh::faceParts`); part 0, and what is not listed, has `material`.
+    std::vector<std::string> partMaterials;
     std::vector<MeshInstance> instances;
+    std::vector<std::string> links; ///< which light and shadow links (`Light`) it belongs to
     std::int32_t primId = 0;
     bool visible = true;
     std::uint64_t meshVersion = 0, stfVersion = 0, instanceVersion = 0;
@@ -51,6 +58,10 @@ public:
     void setVisible(const std::string& id, bool visible);
     /// Which material a mesh has; it need not be there (yet).
     void setMeshMaterial(const std::string& id, const std::string& material);
+    /// The same for its parts from 1 on.
+    void setPartMaterials(const std::string& id, std::vector<std::string> materials);
+    /// The light and shadow links that it belongs to.
+    void setLinks(const std::string& id, std::vector<std::string> links);
     void removeMesh(const std::string& id);
 
     void setMaterial(const std::string& id, const PreviewSurface& surface);

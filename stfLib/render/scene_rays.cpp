@@ -10,6 +10,9 @@ constexpr int kMaxClearSurfaces = 64; // along one shadow ray
 }
 
 Rgb SceneRays::visibility(const Vec3f& origin, const LightSample& light, PixelSampler* throughShells) {
+    if (light.lit != 0 && (light.lit & receiver_) == 0) {
+        return Rgb(0.0f);
+    }
     if (!light.shadows) {
         return Rgb(1.0f);
     }
@@ -23,11 +26,11 @@ Rgb SceneRays::visibility(const Vec3f& origin, const LightSample& light, PixelSa
         if (!scene_.rays->occluded(ray, time_)) {
             return Rgb(1.0f);
         }
-        if (!shells) {
+        if (!shells && light.shading == 0) {
             return Rgb(0.0f);
         }
     }
-    return throughSurfaces(ray, shells ? throughShells : nullptr);
+    return throughSurfaces(ray, light.shading, shells ? throughShells : nullptr);
 }
 
 const PreparedInstance& SceneRays::moved(const PreparedInstance& placed) {
@@ -38,6 +41,8 @@ const PreparedInstance& SceneRays::moved(const PreparedInstance& placed) {
         m.instance.material = placed.material;
         m.instance.primId = placed.primId;
         m.instance.instanceId = placed.instanceId;
+        m.instance.objectId = placed.objectId;
+        m.instance.links = placed.links;
         m.instance.index = placed.index;
         m.instance.overlapped = placed.overlapped;
     }
@@ -74,12 +79,17 @@ Rgb SceneRays::straightOn(Ray& ray, const RayHit& hit, PixelSampler* throughShel
     return PreviewBsdf(at).through({0, 0, dot(surfel.normal, ray.direction)});
 }
 
-Rgb SceneRays::throughSurfaces(Ray ray, PixelSampler* throughShells) {
+Rgb SceneRays::throughSurfaces(Ray ray, std::uint64_t shading, PixelSampler* throughShells) {
     Rgb left(1.0f);
     for (int i = 0; i < kMaxClearSurfaces; ++i) {
         RayHit hit;
         if (!intersect(ray, hit)) {
             return left;
+        }
+        if (shading != 0 && (scene_.instances[hit.instance].links & shading) == 0) {
+            ray.tNear = hit.t * (1 + 1e-6f) + scene_.shadowOffset;
+            --i; // what throws no shadow is not counted: the ray gets on by each of them
+            continue;
         }
         left *= straightOn(ray, hit, throughShells);
         if (!(maxComponent(left) > 0)) {

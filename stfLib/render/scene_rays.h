@@ -45,6 +45,8 @@ public:
     using ThroughShell = std::function<Rgb(const PreparedInstance&, Ray&, const RayHit&, PixelSampler&)>;
     /// Null: shells stop light.
     void setThroughShell(ThroughShell throughShell) { throughShell_ = std::move(throughShell); }
+    /// Links of who asks for lights from now on.
+    void setReceiver(const PreparedInstance& instance) { receiver_ = instance.links; }
     /// The share of a light that arrives at a point (world): 0 or 1, but for surfaces that are not opaque. With
     /// numbers for `throughShells` also the light that goes straight through shells, as paths of bounces do.
     Rgb visibility(const Vec3f& origin, const LightSample& light, PixelSampler* throughShells = nullptr);
@@ -61,7 +63,8 @@ private:
         PreparedInstance instance;
         std::uint64_t timeVersion = 0;
     };
-    Rgb throughSurfaces(Ray ray, PixelSampler* throughShells);
+    /// `shading`: links of what throws shadows; 0: all.
+    Rgb throughSurfaces(Ray ray, std::uint64_t shading, PixelSampler* throughShells);
     Rgb fromWithin(Vec3f origin, LightSample light, PixelSampler* throughShells);
     const PreparedInstance& moved(const PreparedInstance& placed);
 
@@ -71,6 +74,7 @@ private:
     std::uint64_t count_ = 0;
     float time_ = 0.5f;
     std::uint64_t timeVersion_ = 1;
+    std::uint64_t receiver_ = kAllLinks;
     std::unordered_map<std::uint32_t, Moved> moved_; ///< of the moving instances that were met
 };
 

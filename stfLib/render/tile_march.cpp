@@ -78,9 +78,6 @@ void TileMarch::setBlend(const BlendPlace& place) {
 }
 
 void TileMarch::setFrame(const MarchLight* lights, int count, const Vec3f& towardsViewer) {
-    if (frames_.empty()) {
-        frames_.emplace_back();
-    }
     const Frame& now = frames_[frame_];
     bool same = framed_ && std::size_t(count) == now.lights.size() && sameDirection(now.viewer, towardsViewer);
     for (int l = 0; l < count && same; ++l) {

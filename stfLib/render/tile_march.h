@@ -161,9 +161,9 @@ private:
     // Of the frame; candidates keep that in which they were met.
     BlendPlace place_;
     bool framed_ = false, wantsSingle_ = false;
-    std::vector<Frame> frames_; // used again from path to path
-    std::size_t frame_ = 0;     // the present one
-    bool frameKept_ = false;    // by a candidate
+    std::vector<Frame> frames_{1}; // used again from path to path; there is one before the first is set
+    std::size_t frame_ = 0;        // the present one
+    bool frameKept_ = false;       // by a candidate
     FoldedLight foldedLights_, foldedCore_, foldedEmission_;
     std::vector<AxisLight> foldedSingle_;
 };

@@ -306,6 +306,11 @@ MeshRepairs sanitize(ControlMesh& mesh) {
     sanitizeRest(mesh, repairs);
     sanitizeOrientation(mesh, selection, repairs);
     sanitizeHoles(mesh, givenFaces, selection, repairs);
+    if (mesh.faceParts.size() == givenFaces) {
+        keep(mesh.faceParts, selection.faces);
+    } else {
+        mesh.faceParts.clear();
+    }
 
     keep(mesh.faceVertexIndices, selection.corners);
     mesh.faceVertexCounts = selection.counts;

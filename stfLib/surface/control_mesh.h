@@ -42,6 +42,9 @@ struct ControlMesh {
     std::vector<Rgb> colors;
     Interpolation colorInterpolation = Interpolation::Constant;
 
+    /// Which part each face belongs to, from 0; parts may have materials of their own. Empty: there is one part.
+    std::vector<int> faceParts;
+
     /// Where the points are in the rest pose, one per point; empty: the mesh has none.
     std::vector<Vec3f> rest;
 

@@ -160,3 +160,30 @@ def test_documentation_lists_every_property():
 
 if __name__ == "__main__":
     sys.exit(pytest.main([__file__, "-q", *sys.argv[1:]]))
+
+
+def test_the_shader_node_has_the_inputs_of_the_api():
+    from pxr import Sdr
+
+    result = {**vars(Sdr)}.get("NodeDiscoveryResult") or getattr(Sdr, "ShaderNodeDiscoveryResult", None)
+    registry = Sdr.Registry()
+    path = str(ROOT / "schemas" / "StfShell.usda")
+    version = Sdr.Version().GetAsDefault()
+    registry.AddDiscoveryResult(result("StfShell", version, "StfShell", "StfShell", "usda", "stf", path, path))
+    node = registry.GetShaderNodeByIdentifier("StfShell")
+    assert node and node.IsValid()
+    constant = {name for name, (_, _, interpolation, _) in PROPERTIES.items() if interpolation == "constant"}
+    assert set(node.GetShaderInputNames()) == constant
+    assert node.GetShaderOutputNames() == ["surface"]
+    for name in constant:
+        kind, fallback, _, tokens = PROPERTIES[name]
+        property_ = node.GetShaderInput(name)
+        sdf_type = property_.GetTypeAsSdfType()
+        assert (sdf_type.GetSdfType() if hasattr(sdf_type, "GetSdfType") else sdf_type[0]) in (
+            Sdf.ValueTypeNames.Find(kind),
+            Sdf.ValueTypeNames.Find({"token": "string"}.get(kind, kind)),
+        ), name
+        if fallback is not None:
+            assert property_.GetDefaultValue() == fallback, name
+        if tokens:
+            assert [option[0] for option in property_.GetOptions()] == tokens

@@ -45,7 +45,7 @@ Layer readLayer(HdRenderBuffer& buffer, const std::string& name) {
     const std::size_t stride = HdDataSizeOfFormat(buffer.GetFormat());
     const std::size_t width = buffer.GetWidth(), height = buffer.GetHeight();
     Layer layer;
-    layer.name = name;
+    layer.name = layer.aov = name;
     layer.channels = int(channels);
     const bool whole = componentFormat == HdFormatInt32;
     if (whole) {

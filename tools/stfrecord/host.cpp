@@ -54,6 +54,7 @@ struct Host::Impl {
     HdEngine engine;
     std::shared_ptr<RecordTask> task;
     Window frame; // in pixels of the image
+    float pixelAspectRatio = 1;
     TfTokenVector renderTags = {HdRenderTagTokens->geometry};
 
     void removeBuffers() {
@@ -112,6 +113,11 @@ void Host::populate(const std::vector<std::string>& purposes, int refineLevel, b
         refineLevel);
 }
 
+void Host::fillFrame(float pixelAspectRatio) {
+    impl_->pixelAspectRatio = pixelAspectRatio;
+    impl_->scene->fillFrame();
+}
+
 std::vector<std::string> Host::setOutputs(const std::vector<std::string>& aovs, int frameWidth, int frameHeight,
                                           const HdStfWindow& window) {
     impl_->task.reset();
@@ -136,6 +142,7 @@ std::vector<std::string> Host::setOutputs(const std::vector<std::string>& aovs, 
         bindings.push_back(binding);
     }
     impl_->task = std::make_shared<RecordTask>(*impl_->index, bindings, frameWidth, frameHeight, impl_->renderTags);
+    impl_->task->setPixelAspectRatio(impl_->pixelAspectRatio);
     impl_->frame = {-window.x, window.y + window.height - frameHeight, frameWidth, frameHeight};
     return unknown;
 }
@@ -166,6 +173,7 @@ bool Host::render(const SdfPath& camera, UsdTimeCode time, const std::function<b
 Image Host::readImage() const {
     Image image;
     image.frame = impl_->frame;
+    image.pixelAspectRatio = impl_->pixelAspectRatio;
     for (const HdRenderPassAovBinding& binding : impl_->task->bindings()) {
         auto* buffer = static_cast<HdRenderBuffer*>(
             impl_->index->GetBprim(HdPrimTypeTokens->renderBuffer, binding.renderBufferId));

@@ -33,6 +33,10 @@ public:
     /// Throws std::runtime_error with a sentence where this OpenUSD has no scene indices for stages.
     void populate(const std::vector<std::string>& purposes, int refineLevel, bool sceneIndices);
 
+    /// From now on what a camera's aperture holds fills the frame, whatever its shape: pixels of that width over
+    /// height are not square.
+    void fillFrame(float pixelAspectRatio);
+
     /// Size and AOVs of the images to come: `window` of a frame (rows from the bottom up). Returns the names of AOVs
     /// the delegate does not have; the others are bound.
     std::vector<std::string> setOutputs(const std::vector<std::string>& aovs, int frameWidth, int frameHeight,

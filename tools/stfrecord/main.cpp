@@ -2,7 +2,10 @@
 #include "tools/stfrecord/console.h"
 #include "tools/stfrecord/diagnostics.h"
 #include "tools/stfrecord/host.h"
+#include "tools/stfrecord/leftOut.h"
 #include "tools/stfrecord/options.h"
+#include "tools/stfrecord/product.h"
+#include "tools/stfrecord/renderSettings.h"
 #include "tools/stfrecord/settings.h"
 #include "tools/stfrecord/stageCamera.h"
 #include "tools/stfrecord/stats.h"
@@ -57,8 +60,8 @@ UsdStageRefPtr openStage(const std::string& path, Diagnostics& diagnostics, Cons
 }
 
 /// Says which output cannot be written because its folder is not there; hours of rendering should not find that out.
-bool foldersExist(const Options& options, Console& console) {
-    for (const std::string& path : {options.output, options.png, options.stats}) {
+bool foldersExist(const std::vector<std::string>& paths, Console& console) {
+    for (const std::string& path : paths) {
         const std::string folder = TfGetPathName(path);
         if (!folder.empty() && !TfIsDir(folder, true)) {
             console.message("error", "cannot write " + path + ": there is no folder " + folder, true);
@@ -89,29 +92,57 @@ SdfPath chooseCamera(const UsdStageRefPtr& stage, const Options& options, UsdTim
     return SdfPath();
 }
 
-/// Renders and writes frame after frame.
+/// The start where there is one: shutters need a time that is a number.
+UsdTimeCode firstTime(const UsdStageRefPtr& stage, const Options& options) {
+    return !options.frames.empty()             ? UsdTimeCode(options.frames[0])
+           : stage->HasAuthoredTimeCodeRange() ? UsdTimeCode(stage->GetStartTimeCode())
+                                               : UsdTimeCode::EarliestTime();
+}
+
+/// The one image that the command line describes; nothing where it names no camera.
+std::optional<Product> productOf(const Options& options, const UsdStageRefPtr& stage, Console& console) {
+    Product product;
+    product.camera = chooseCamera(stage, options, firstTime(stage, options), console);
+    if (product.camera.IsEmpty()) {
+        return std::nullopt;
+    }
+    product.width = options.imageWidth;
+    product.dataWindow = options.crop;
+    std::vector<std::string> aovs = options.aovs;
+    if (options.denoise && std::find(aovs.begin(), aovs.end(), "denoised") == aovs.end()) {
+        aovs.push_back("denoised");
+    }
+    for (const std::string& name : aovs) {
+        for (const std::string& aov : aovsOf(name)) {
+            product.vars.push_back({aov, aov, {}});
+        }
+    }
+    return product;
+}
+
+/// Renders and writes product after product, frame after frame.
 class Recorder {
 public:
     Recorder(const Options& options, const UsdStageRefPtr& stage, Host& host, Console& console)
         : options_(options), stage_(stage), host_(host), console_(console) {}
 
-    ExitCode run() {
-        const std::vector<double>& frames = options_.frames;
-        // The start where there is one: shutters need a time that is a number.
-        const UsdTimeCode first = !frames.empty()                      ? UsdTimeCode(frames[0])
-                                  : stage_->HasAuthoredTimeCodeRange() ? UsdTimeCode(stage_->GetStartTimeCode())
-                                                                       : UsdTimeCode::EarliestTime();
-        camera_ = chooseCamera(stage_, options_, first, console_);
-        if (camera_.IsEmpty()) {
-            return BadUsage;
+    ExitCode run(const std::vector<Product>& products, const std::vector<std::string>& purposes) {
+        for (const std::string& sentence : describeLeftOut(stage_, host_.delegate().GetSupportedRprimTypes(), purposes,
+                                                           firstTime(stage_, options_))) {
+            console_.message("error", sentence, true);
         }
-        host_.populate(options_.purposes, options_.refineLevel, options_.sceneIndices);
-        bool complete = true;
-        if (frames.empty()) {
-            complete = record(first, stage_->HasAuthoredTimeCodeRange() ? stage_->GetStartTimeCode() : 0.0);
-        }
-        for (std::size_t i = 0; i < frames.size() && complete; ++i) {
-            complete = record(UsdTimeCode(frames[i]), frames[i]);
+        host_.populate(purposes, options_.refineLevel, options_.sceneIndices);
+        ProductSettings settings(host_.delegate());
+        severalProducts_ = products.size() > 1;
+        for (const Product& product : products) {
+            if (!product.name.empty() && !useProduct(product, settings)) {
+                break;
+            }
+            product_ = product;
+            height_ = 0;
+            if (!recordFrames()) {
+                break;
+            }
         }
         finish();
         if (interrupted) {
@@ -121,18 +152,51 @@ public:
     }
 
 private:
+    /// Brings the settings and the camera's frame of a RenderProduct; what the command line says goes before it.
+    bool useProduct(const Product& product, ProductSettings& settings) {
+        for (const std::string& problem : settings.apply(product.settings)) {
+            console_.message("error", product.name + ": " + problem, true);
+        }
+        std::string problem = applySettings(host_.delegate(), options_, UsdGeomGetStageMetersPerUnit(stage_));
+        if (problem.empty()) {
+            problem = setDataWindow(host_.delegate(), product.dataWindow);
+        }
+        if (!problem.empty()) {
+            console_.message("error", product.name + ": " + problem, true);
+            return false;
+        }
+        setAperture(stage_, product);
+        host_.fillFrame(product.pixelAspectRatio);
+        return true;
+    }
+
+    /// False where there is no use in going on.
+    bool recordFrames() {
+        const std::vector<double>& frames = options_.frames;
+        if (frames.empty()) {
+            return record(firstTime(stage_, options_),
+                          stage_->HasAuthoredTimeCodeRange() ? stage_->GetStartTimeCode() : 0.0);
+        }
+        return std::all_of(frames.begin(), frames.end(),
+                           [this](double frame) { return record(UsdTimeCode(frame), frame); });
+    }
+
     /// False where there is no use in going on.
     bool record(UsdTimeCode time, double frame) {
-        const int height = imageHeight(stage_, camera_, time, options_.imageWidth);
+        const int height =
+            product_.height > 0 ? product_.height : imageHeight(stage_, product_.camera, time, product_.width);
         if (height != height_) {
             height_ = height;
             if (!bindOutputs()) {
                 return false;
             }
         }
-        const std::string what = options_.frames.empty() ? "render" : TfStringPrintf("frame %g", frame);
+        std::string what = options_.frames.empty() ? "render" : TfStringPrintf("frame %g", frame);
+        if (!product_.name.empty()) {
+            what = product_.name + ": " + what;
+        }
         const auto start = std::chrono::steady_clock::now();
-        const bool complete = host_.render(camera_, time, [&] {
+        const bool complete = host_.render(product_.camera, time, [&] {
             const VtDictionary stats = host_.delegate().GetRenderStats();
             console_.progress(what, VtDictionaryGet<double>(stats, "fractionDone", VtDefault = 0.0),
                               VtDictionaryGet<std::string>(stats, "renderProgressAnnotation", VtDefault = ""));
@@ -142,57 +206,83 @@ private:
             console_.done(what + ": interrupted, nothing written");
             return false;
         }
-        FrameStats stats = {
-            options_.scene, frame, options_.imageWidth, height, secondsSince(start), host_.delegate().GetRenderStats()};
+        FrameStats stats = {options_.scene,
+                            product_.name,
+                            frame,
+                            product_.width,
+                            height,
+                            secondsSince(start),
+                            host_.delegate().GetRenderStats()};
         collectMessages(stats.delegate, console_);
-        const bool ok = write(frame, stats.seconds);
+        const bool ok = write(stats);
         stats_.push_back(std::move(stats));
         return ok;
     }
 
     bool bindOutputs() {
-        HdStfWindow window = {0, 0, options_.imageWidth, height_};
-        if (options_.crop) {
-            const auto& c = *options_.crop;
-            window = HdStfDataWindow(GfVec4f(c[0], c[1], c[2], c[3]), options_.imageWidth, height_);
+        HdStfWindow window = {0, 0, product_.width, height_};
+        if (product_.dataWindow) {
+            const auto& c = *product_.dataWindow;
+            window = HdStfDataWindow(GfVec4f(c[0], c[1], c[2], c[3]), product_.width, height_);
         }
         if (window.IsEmpty()) {
-            console_.message("error", "--crop leaves no pixel of the frame", true);
+            console_.message("error",
+                             product_.name.empty() ? "--crop leaves no pixel of the frame"
+                                                   : product_.name + ": dataWindowNDC leaves no pixel of the frame",
+                             true);
             return false;
         }
-        std::vector<std::string> aovs = options_.aovs;
-        if (options_.denoise && std::find(aovs.begin(), aovs.end(), "denoised") == aovs.end()) {
-            aovs.push_back("denoised");
+        std::vector<std::string> aovs;
+        for (const ProductVar& var : product_.vars) {
+            if (std::find(aovs.begin(), aovs.end(), var.aov) == aovs.end()) {
+                aovs.push_back(var.aov);
+            }
         }
-        const std::vector<std::string> unknown = host_.setOutputs(aovs, options_.imageWidth, height_, window);
+        const std::vector<std::string> unknown = host_.setOutputs(aovs, product_.width, height_, window);
         for (const std::string& aov : unknown) {
             console_.message("error", "the renderer has no AOV \"" + aov + "\"; it is left out", true);
         }
         return unknown.size() < aovs.size();
     }
 
-    bool write(double frame, double seconds) {
+    bool write(const FrameStats& stats) {
         Image image = host_.readImage();
+        std::vector<std::string> problems;
+        image.layers = productLayers(product_.vars, std::move(image.layers), problems);
+        for (const std::string& problem : problems) {
+            console_.message("error", problem, true);
+        }
         image.metadata = {{"software", "stfrecord (hdStf)"},
+                          {"hdStfVersion", HDSTF_VERSION},
+                          {"openusdVersion", TfStringPrintf("%d.%02d", PXR_MINOR_VERSION, PXR_PATCH_VERSION)},
                           {"renderer", options_.renderer},
                           {"scene", options_.scene},
-                          {"camera", camera_.GetString()},
-                          {"frame", TfStringPrintf("%g", frame)},
+                          {"camera", product_.camera.GetString()},
+                          {"frame", TfStringPrintf("%g", stats.frame)},
                           {"renderSettings", describeSettings(host_.delegate())},
-                          {"renderSeconds", TfStringPrintf("%.3f", seconds)}};
+                          {"renderSeconds", TfStringPrintf("%.3f", stats.seconds)}};
+        if (!product_.name.empty()) {
+            image.metadata.emplace_back("renderProduct", product_.name);
+        }
+        for (auto& entry : imageMetadata(stats, image)) {
+            image.metadata.push_back(std::move(entry));
+        }
         const bool several = options_.frames.size() > 1;
-        const std::string path = framePath(options_.output, frame, several);
+        const std::string pattern =
+            options_.output.empty() ? product_.file : productPath(options_.output, product_.name, severalProducts_);
+        const std::string path = framePath(pattern, stats.frame, several);
         try {
             writeExr(image, path);
             if (!options_.png.empty()) {
-                writePng(image, framePath(options_.png, frame, several));
+                writePng(image,
+                         framePath(productPath(options_.png, product_.name, severalProducts_), stats.frame, several));
             }
         } catch (const std::exception& error) {
             console_.message("error", error.what(), true);
             return false;
         }
         ++written_;
-        console_.done(TfStringPrintf("%s: %d x %d in %.2f s", path.c_str(), image.width, image.height, seconds));
+        console_.done(TfStringPrintf("%s: %d x %d in %.2f s", path.c_str(), image.width, image.height, stats.seconds));
         return true;
     }
 
@@ -213,14 +303,52 @@ private:
     UsdStageRefPtr stage_;
     Host& host_;
     Console& console_;
-    SdfPath camera_;
+    Product product_;
+    bool severalProducts_ = false;
     int height_ = 0;
     int written_ = 0;
     std::vector<FrameStats> stats_;
 };
 
+/// What is to be rendered: the products of render settings, or what the command line describes. Nothing, with a word,
+/// where it does not say it rightly.
+std::vector<Product> chooseProducts(const Options& options, const UsdStageRefPtr& stage,
+                                    std::vector<std::string>& purposes, Console& console) {
+    const auto fail = [&console](const std::string& text) {
+        console.message("error", text, true);
+        return std::vector<Product>();
+    };
+    std::string problem;
+    const SdfPath settings =
+        options.describesImage ? SdfPath() : findRenderSettings(stage, options.renderSettings, problem);
+    if (!problem.empty()) {
+        return fail(problem);
+    }
+    if (settings.IsEmpty()) {
+        if (options.output.empty()) {
+            return fail("the image has no name: give OUT, or render settings with products");
+        }
+        const std::optional<Product> product = productOf(options, stage, console);
+        return product ? std::vector<Product>{*product} : std::vector<Product>();
+    }
+    RenderSettings read = readRenderSettings(stage, settings, firstTime(stage, options),
+                                             [&](const std::string& text) { console.message("error", text, true); });
+    if (!options.givesPurposes) {
+        purposes = read.purposes;
+    }
+    if (read.products.empty()) {
+        return fail(settings.GetString() + " has no product that can be rendered");
+    }
+    for (const Product& product : read.products) {
+        if (options.output.empty() && product.file.empty()) {
+            return fail(product.name + " has no productName; give OUT");
+        }
+    }
+    return read.products;
+}
+
 int run(const Options& options, Console& console) {
-    if (!foldersExist(options, console)) {
+    if (!foldersExist({options.output, options.png, options.stats}, console)) {
         return NothingRendered;
     }
     registerPlugins();
@@ -245,8 +373,18 @@ int run(const Options& options, Console& console) {
         console.message("error", problem, true);
         return BadUsage;
     }
+    std::vector<std::string> purposes = options.purposes;
+    const std::vector<Product> products = chooseProducts(options, stage, purposes, console);
+    if (products.empty()) {
+        return BadUsage;
+    }
+    for (const Product& product : products) {
+        if (options.output.empty() && !foldersExist({product.file}, console)) {
+            return NothingRendered;
+        }
+    }
     std::signal(SIGINT, onInterrupt);
-    return Recorder(options, stage, host, console).run();
+    return Recorder(options, stage, host, console).run(products, purposes);
 }
 
 } // namespace

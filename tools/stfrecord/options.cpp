@@ -67,6 +67,15 @@ std::optional<std::array<float, 4>> parseCrop(const std::string& text) {
     return ordered ? std::make_optional(crop) : std::nullopt;
 }
 
+std::string beforeExtension(const std::string& pattern, const std::string& part) {
+    const std::size_t slash = pattern.find_last_of('/');
+    std::size_t dot = pattern.find_last_of('.');
+    if (dot == std::string::npos || (slash != std::string::npos && dot < slash)) {
+        dot = pattern.size();
+    }
+    return pattern.substr(0, dot) + "." + part + pattern.substr(dot);
+}
+
 std::string frameNumber(double frame, int digits) {
     char text[64];
     double whole = 0;
@@ -120,12 +129,11 @@ std::string framePath(const std::string& pattern, double frame, bool several) {
     if (!several) {
         return pattern;
     }
-    const std::size_t slash = pattern.find_last_of('/');
-    std::size_t dot = pattern.find_last_of('.');
-    if (dot == std::string::npos || (slash != std::string::npos && dot < slash)) {
-        dot = pattern.size();
-    }
-    return pattern.substr(0, dot) + "." + frameNumber(frame, 4) + pattern.substr(dot);
+    return beforeExtension(pattern, frameNumber(frame, 4));
+}
+
+std::string productPath(const std::string& pattern, const std::string& product, bool several) {
+    return several && !pattern.empty() ? beforeExtension(pattern, product) : pattern;
 }
 
 std::optional<int> parseOptions(int argc, char** argv, Options& options) {
@@ -137,18 +145,24 @@ std::optional<int> parseOptions(int argc, char** argv, Options& options) {
     const std::map<std::string, int> levels = {{"low", 0}, {"medium", 1}, {"high", 2}, {"veryhigh", 3}};
 
     app.add_option("IN", options.scene, "USD file")->required();
-    app.add_option("OUT", options.output, "EXR file; #### stands for the frame number")->required();
-    app.add_option("--camera", options.camera, "path or name of a camera (default: the scene's first)");
-    app.add_option("--imageWidth", options.imageWidth, "width in pixels; the height follows from the camera (960)")
-        ->check(CLI::Range(1, 32768));
-    app.add_option(
+    app.add_option("OUT", options.output,
+                   "EXR file; #### stands for the frame number (default: as the scene's render products are named)");
+    CLI::Option* product =
+        app.add_option("--settings", options.renderSettings,
+                       "path of a RenderSettings prim whose products are rendered (default: the stage's own)");
+    CLI::Option* camera =
+        app.add_option("--camera", options.camera, "path or name of a camera (default: the scene's first)");
+    CLI::Option* imageWidth =
+        app.add_option("--imageWidth", options.imageWidth, "width in pixels; the height follows from the camera (960)")
+            ->check(CLI::Range(1, 32768));
+    CLI::Option* cropped = app.add_option(
         "--crop", crop,
         "XMIN,YMIN,XMAX,YMAX: the part of the frame to render, shares from its lower left; beyond 0..1: overscan");
     app.add_option("--frames", frames, "A, A:B, A:BxS, and such separated by commas");
     app.add_option("--samples", options.samples, "samples per pixel")->check(CLI::Range(1, 1 << 24));
     app.add_option("--seed", options.seed, "seed of all random numbers");
     app.add_option("--threads", options.threads, "threads (0 = all cores)")->check(CLI::Range(0, 4096));
-    app.add_option("--aov", aovs, "comma-separated AOVs (color)");
+    CLI::Option* listed = app.add_option("--aov", aovs, "comma-separated AOVs (color)");
     app.add_option("--set", settings, "KEY=VALUE, a render setting; may be repeated")->allow_extra_args(false);
     app.add_option("--renderer", options.renderer, "display name or plugin id of the delegate (Stf)");
     app.add_option("--purposes", purposes, "comma-separated: default, render, proxy, guide (default,render)");
@@ -161,6 +175,10 @@ std::optional<int> parseOptions(int argc, char** argv, Options& options) {
     app.add_flag("--denoise", options.denoise, "also the denoised colour, as AOV denoised");
     app.add_flag("--plan", options.plan, "print which stages ran, which were left out, and why");
     app.add_flag("--quiet", options.quiet, "print errors only");
+
+    for (CLI::Option* option : {camera, imageWidth, cropped, listed}) {
+        product->excludes(option); // they are the products' to say
+    }
 
     const auto usage = [](const std::string& message) {
         std::cerr << "stfrecord: " << message << "\nstfrecord --help lists the options.\n";
@@ -185,6 +203,8 @@ std::optional<int> parseOptions(int argc, char** argv, Options& options) {
         return usage(error.what());
     }
 
+    options.describesImage = *camera || *imageWidth || *cropped || *listed || options.denoise;
+    options.givesPurposes = !purposes.empty();
     if (!crop.empty()) {
         options.crop = parseCrop(crop);
         if (!options.crop) {

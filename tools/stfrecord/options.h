@@ -15,7 +15,11 @@ enum ExitCode { Rendered = 0, RenderedWithErrors = 1, NothingRendered = 2, BadUs
 /// What the command line asks for.
 struct Options {
     std::string scene;
-    std::string output;
+    std::string output; ///< empty: where the render products say
+    /// Path of a RenderSettings prim; empty: the stage's own, unless the image is described here.
+    std::string renderSettings;
+    bool describesImage = false; ///< camera, size, window or AOVs were given
+    bool givesPurposes = false;
     std::string camera;
     int imageWidth = 960;
     std::vector<double> frames; ///< empty: the first time of the scene
@@ -44,6 +48,9 @@ std::vector<double> parseFrames(const std::string& text, std::string& error);
 /// The file of a frame: a run of `#` becomes the number, padded with zeros to its length; without one, and with several
 /// frames, the number goes before the extension (four digits).
 std::string framePath(const std::string& pattern, double frame, bool several);
+
+/// The file of one of several render products: its name goes before the extension.
+std::string productPath(const std::string& pattern, const std::string& product, bool several);
 
 /// Fills `options`. Returns nothing to go on, or the exit code after help or a message.
 std::optional<int> parseOptions(int argc, char** argv, Options& options);

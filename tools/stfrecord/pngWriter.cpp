@@ -16,7 +16,7 @@
 namespace stfrecord {
 void writePng(const Image& image, const std::string& path) {
     const auto color = std::find_if(image.layers.begin(), image.layers.end(),
-                                    [](const Layer& layer) { return layer.name == "color" && layer.channels >= 3; });
+                                    [](const Layer& layer) { return layer.kind() == "color" && layer.channels >= 3; });
     if (color == image.layers.end() || color->floats.empty()) {
         throw std::runtime_error("cannot write " + path + ": the AOV \"color\" was not rendered");
     }

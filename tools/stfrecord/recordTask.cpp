@@ -35,7 +35,8 @@ void RecordTask::Prepare(HdTaskContext*, HdRenderIndex* index) {
     if (camera) {
 #if HDSTF_HAS_SET_FRAMING
         const GfRect2i window(GfVec2i(0), width_, height_);
-        state_->SetFraming(CameraUtilFraming(window));
+        state_->SetFraming(CameraUtilFraming(GfRange2f(GfVec2f(0), GfVec2f(float(width_), float(height_))), window,
+                                             pixelAspectRatio_));
         state_->SetCamera(camera);
 #else
         state_->SetCameraAndViewport(camera, GfVec4d(0, 0, width_, height_));

@@ -21,6 +21,8 @@ public:
         width_ = width;
         height_ = height;
     }
+    /// Width over height of a pixel. Versions without framing leave that to the camera's aperture and window policy.
+    void setPixelAspectRatio(float ratio) { pixelAspectRatio_ = ratio; }
     void setRenderTags(PXR_NS::TfTokenVector renderTags) { renderTags_ = std::move(renderTags); }
     bool isConverged() const { return pass_->IsConverged(); }
     const PXR_NS::HdRenderPassAovBindingVector& bindings() const { return bindings_; }
@@ -39,6 +41,7 @@ private:
     PXR_NS::TfTokenVector renderTags_;
     PXR_NS::SdfPath camera_;
     int width_, height_;
+    float pixelAspectRatio_ = 1;
 };
 
 } // namespace stfrecord

@@ -94,16 +94,8 @@ std::string applySettings(HdRenderDelegate& delegate, const Options& options, do
         }
     }
     if (options.crop) {
-        // Not among the descriptors: panels have nothing to show it with. A delegate that has it has a value of it.
-        const TfToken key("dataWindowNDC");
-        const auto& c = *options.crop;
-        if (delegate.GetRenderSetting(key).IsEmpty()) {
-            return "this renderer has no setting dataWindowNDC: it cannot render a part of the frame";
-        }
-        const VtValue window(GfVec4f(c[0], c[1], c[2], c[3]));
-        delegate.SetRenderSetting(key, window);
-        if (delegate.GetRenderSetting(key) != window) {
-            return "the renderer does not take that part of the frame (--crop)";
+        if (const std::string problem = setDataWindow(delegate, options.crop); !problem.empty()) {
+            return problem;
         }
     }
     for (const auto& [key, text] : options.settings) {
@@ -120,6 +112,39 @@ std::string applySettings(HdRenderDelegate& delegate, const Options& options, do
         delegate.SetRenderSetting(setting->key, value);
     }
     return {};
+}
+
+std::string setDataWindow(HdRenderDelegate& delegate, const std::optional<std::array<float, 4>>& window) {
+    // Not among the descriptors: panels have nothing to show it with. A delegate that has it has a value of it.
+    const TfToken key("dataWindowNDC");
+    const std::array<float, 4> c = window.value_or(std::array<float, 4>{0, 0, 1, 1});
+    if (delegate.GetRenderSetting(key).IsEmpty()) {
+        return window ? "this renderer has no setting dataWindowNDC: it cannot render a part of the frame"
+                      : std::string();
+    }
+    const VtValue value(GfVec4f(c[0], c[1], c[2], c[3]));
+    delegate.SetRenderSetting(key, value);
+    return delegate.GetRenderSetting(key) == value ? std::string()
+                                                   : "the renderer does not take that part of the frame";
+}
+
+std::vector<std::string> ProductSettings::apply(const VtDictionary& settings) {
+    for (const auto& [key, value] : replaced_) {
+        delegate_.SetRenderSetting(TfToken(key), value);
+    }
+    replaced_.clear();
+    const HdRenderSettingDescriptorList list = delegate_.GetRenderSettingDescriptors();
+    std::vector<std::string> problems;
+    for (const auto& [key, value] : settings) {
+        const TfToken token(key);
+        if (!findSetting(list, key)) {
+            problems.push_back("the renderer has no setting " + key + ", it is left out");
+            continue;
+        }
+        replaced_[key] = delegate_.GetRenderSetting(token);
+        delegate_.SetRenderSetting(token, value);
+    }
+    return problems;
 }
 
 std::string describeSettings(const HdRenderDelegate& delegate) {

@@ -72,6 +72,12 @@ void StageScene::setCameraForSampling(const SdfPath& camera) {
     }
 }
 
+void StageScene::fillFrame() {
+    if (impl_->delegate) {
+        impl_->delegate->SetWindowPolicy(CameraUtilDontConform);
+    }
+}
+
 void StageScene::setRefineLevelFallback(int level) {
     if (impl_->delegate) {
         impl_->delegate->SetRefineLevelFallback(level);

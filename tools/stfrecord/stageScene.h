@@ -28,6 +28,8 @@ public:
 
     /// The camera whose shutter says when transforms are sampled. Scene indices know no such camera.
     void setCameraForSampling(const PXR_NS::SdfPath& camera);
+    /// A camera's aperture is stretched to the frame; by itself it is fitted in. Scene indices leave that to framing.
+    void fillFrame();
     void setTime(PXR_NS::UsdTimeCode time);
     /// Of all prims, and of one. Scene indices have no level of a single prim.
     void setRefineLevelFallback(int level);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/stfrecord/stats.h"
 
+#include "stfLib/render/cryptomatte.h"
 #include "tools/stfrecord/atomicFile.h"
 
 #include "pxr/base/tf/stringUtils.h"
@@ -39,6 +40,9 @@ Json frameJson(const FrameStats& frame, const Json& messages) {
     const double megabyte = 1024.0 * 1024.0;
     Json json;
     json["scene"] = frame.scene;
+    if (!frame.product.empty()) {
+        json["product"] = frame.product;
+    }
     json["frame"] = frame.frame;
     json["width"] = frame.width;
     json["height"] = frame.height;
@@ -93,6 +97,32 @@ void writeStats(const std::vector<FrameStats>& frames, const std::vector<Message
             throw std::runtime_error("cannot write " + path);
         }
     });
+}
+
+std::vector<std::pair<std::string, std::string>> imageMetadata(const FrameStats& frame, const Image& image) {
+    const Json json = frameJson(frame, Json::array());
+    const auto text = [](const Json& value) { return value.dump(-1, ' ', false, Json::error_handler_t::replace); };
+    std::vector<std::pair<std::string, std::string>> result = {{"renderPlan", text(json["plan"])},
+                                                               {"renderTimes", text(json["seconds"])},
+                                                               {"samplesPerPixel", text(json["samples"])},
+                                                               {"estimatedError", text(json["estimatedError"])}};
+    const auto manifest = frame.delegate.find("stf:cryptoObject");
+    const std::string layer = "00";
+    for (const Layer& first : image.layers) {
+        if (first.aov != "cryptoObject00" || manifest == frame.delegate.end() ||
+            !manifest->second.IsHolding<std::string>()) {
+            continue;
+        }
+        // The layers' common name, and seven digits of its hash to tell several cryptomattes apart.
+        const bool numbered = TfStringEndsWith(first.name, layer);
+        const std::string name = numbered ? first.name.substr(0, first.name.size() - layer.size()) : first.name;
+        const std::string key = "cryptomatte/" + TfStringPrintf("%08x", stf::murmurHash3(name)).substr(0, 7) + "/";
+        result.insert(result.end(), {{key + "name", name},
+                                     {key + "hash", "MurmurHash3_32"},
+                                     {key + "conversion", "uint32_to_float32"},
+                                     {key + "manifest", manifest->second.UncheckedGet<std::string>()}});
+    }
+    return result;
 }
 
 std::string planTable(const VtDictionary& delegateStats) {
