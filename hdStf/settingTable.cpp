@@ -3,7 +3,10 @@
 
 #include "stfLib/render/renderer.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <limits>
 #include <sstream>
 
 namespace stf {
@@ -174,6 +177,36 @@ std::string settingText(const SettingValue& value) {
         text += (text.empty() ? "" : " ") + numberText(number);
     }
     return text;
+}
+
+std::optional<bool> flagOfText(const std::string& text) {
+    if (text == "on" || text == "true") {
+        return true;
+    }
+    return text == "off" || text == "false" ? std::optional<bool>(false) : std::nullopt;
+}
+
+bool settingHolds(const SettingRow& row, double number) {
+    return std::isfinite(number) && (row.aboveLeast ? number > row.least : number >= row.least) && number <= row.most;
+}
+
+bool settingTakes(const SettingRow& row, const std::string& text) {
+    if (std::holds_alternative<std::string>(row.own)) {
+        return row.choices.empty() || std::count(row.choices.begin(), row.choices.end(), text) > 0;
+    }
+    if (flagOfText(text)) {
+        return std::holds_alternative<bool>(row.own);
+    }
+    char* end = nullptr;
+    const double number = std::strtod(text.c_str(), &end);
+    if (text.empty() || end != text.c_str() + text.size()) {
+        return false;
+    }
+    if (std::holds_alternative<int>(row.own) && std::abs(number) > std::numeric_limits<int>::max()) {
+        return false;
+    }
+    return std::holds_alternative<bool>(row.own) || settingHolds(row, number) ||
+           (row.outside == SettingRow::Outside::BroughtIn && !std::isnan(number));
 }
 
 std::string settingRange(const SettingRow& row) {

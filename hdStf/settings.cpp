@@ -21,8 +21,8 @@ VtValue _FromText(VtValue const& value) {
         return value;
     }
     std::string const& text = value.UncheckedGet<std::string>();
-    if (text == "true" || text == "false") {
-        return VtValue(text == "true");
+    if (std::optional<bool> const flag = stf::flagOfText(text)) {
+        return VtValue(*flag);
     }
     char* end = nullptr;
     const double number = std::strtod(text.c_str(), &end);
@@ -39,10 +39,6 @@ bool _IsWindow(GfVec4f const& window) {
     return window[2] > window[0] && window[3] > window[1];
 }
 
-bool _IsWithin(stf::SettingRow const& row, double number) {
-    return std::isfinite(number) && (row.aboveLeast ? number > row.least : number >= row.least) && number <= row.most;
-}
-
 /// A value of the setting's type, within its range; empty where it is outside and is refused there.
 VtValue _InRange(stf::SettingRow const& row, VtValue const& value) {
     if (value.IsHolding<std::string>() && !row.choices.empty()) {
@@ -56,8 +52,9 @@ VtValue _InRange(stf::SettingRow const& row, VtValue const& value) {
     if (!isNumber) {
         return value;
     }
-    const double number = VtValue::Cast<double>(value).UncheckedGet<double>();
-    if (_IsWithin(row, number)) {
+    const VtValue asDouble = VtValue::Cast<double>(value);
+    const double number = asDouble.UncheckedGet<double>();
+    if (stf::settingHolds(row, number)) {
         return value;
     }
     if (row.outside == stf::SettingRow::Outside::Refused || std::isnan(number)) {
