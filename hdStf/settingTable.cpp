@@ -194,19 +194,22 @@ bool settingTakes(const SettingRow& row, const std::string& text) {
     if (std::holds_alternative<std::string>(row.own)) {
         return row.choices.empty() || std::count(row.choices.begin(), row.choices.end(), text) > 0;
     }
-    if (flagOfText(text)) {
-        return std::holds_alternative<bool>(row.own);
-    }
     char* end = nullptr;
-    const double number = std::strtod(text.c_str(), &end);
-    if (text.empty() || end != text.c_str() + text.size()) {
+    const std::optional<bool> flag = flagOfText(text);
+    const double number = flag ? double(*flag) : std::strtod(text.c_str(), &end);
+    if (!flag && (text.empty() || end != text.c_str() + text.size())) {
         return false;
     }
-    if (std::holds_alternative<int>(row.own) && std::abs(number) > std::numeric_limits<int>::max()) {
+    if (!std::isfinite(number)) {
         return false;
     }
-    return std::holds_alternative<bool>(row.own) || settingHolds(row, number) ||
-           (row.outside == SettingRow::Outside::BroughtIn && !std::isnan(number));
+    if (std::holds_alternative<bool>(row.own)) {
+        return number > -1 && number < 2; // what is left of a fraction is 0 or 1
+    }
+    const double most = std::holds_alternative<int>(row.own)     ? std::numeric_limits<int>::max()
+                        : std::holds_alternative<float>(row.own) ? std::numeric_limits<float>::max()
+                                                                 : std::numeric_limits<double>::max();
+    return std::abs(number) <= most && (settingHolds(row, number) || row.outside == SettingRow::Outside::BroughtIn);
 }
 
 std::string settingRange(const SettingRow& row) {

@@ -29,6 +29,15 @@ VtValue _FromText(VtValue const& value) {
     return !text.empty() && end == text.c_str() + text.size() ? VtValue(number) : value;
 }
 
+/// A value in the type of another; empty where that cannot be, as for numbers that are none.
+VtValue _OfType(VtValue const& value, VtValue const& other) {
+    const VtValue given = _FromText(value);
+    if (given.IsHolding<double>() && !std::isfinite(given.UncheckedGet<double>())) {
+        return VtValue();
+    }
+    return VtValue::CastToTypeOf(given, other);
+}
+
 bool _IsWindow(GfVec4f const& window) {
     for (int i = 0; i < 4; ++i) {
         // Sixteen frames' worth of overscan bounds what a wrong number may cost.
@@ -92,7 +101,7 @@ VtValue _Default(stf::SettingRow const& row) {
     if (text.empty()) {
         return own;
     }
-    const VtValue typed = VtValue::CastToTypeOf(_FromText(VtValue(text)), own);
+    const VtValue typed = _OfType(VtValue(text), own);
     const VtValue given = typed.IsEmpty() ? typed : _InRange(row, typed);
     if (given.IsEmpty()) {
         TF_WARN("environment variable %s = \"%s\" is no value of %s; using %s", row.variable.c_str(), text.c_str(),
@@ -130,7 +139,7 @@ VtValue HdStfNormalizeSetting(HdRenderSettingDescriptorList const& descriptors, 
     stf::SettingRow const* const row = _FindRow(key);
     for (HdRenderSettingDescriptor const& descriptor : descriptors) {
         if (row && descriptor.key == key) {
-            const VtValue typed = VtValue::CastToTypeOf(_FromText(value), descriptor.defaultValue);
+            const VtValue typed = _OfType(value, descriptor.defaultValue);
             return typed.IsEmpty() ? VtValue() : _InRange(*row, typed);
         }
     }

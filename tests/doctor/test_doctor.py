@@ -14,10 +14,10 @@ STF = BUILD / "bin" / "stf"
 NONE = ("HDSTF_", "PXR_", "XDG_CACHE_HOME", "LD_LIBRARY_PATH")
 
 
-def doctor(*options, cwd="/", **variables):
+def doctor(*options, cwd="/", stf=STF, **variables):
     """Exit code and findings of `stf doctor` with these variables of the environment alone."""
     environment = {k: v for k, v in os.environ.items() if not k.startswith(NONE)} | variables
-    run = subprocess.run([STF, "doctor", "--json", *map(str, options)], env=environment, cwd=cwd, capture_output=True,
+    run = subprocess.run([stf, "doctor", "--json", *map(str, options)], env=environment, cwd=cwd, capture_output=True,
                          text=True)
     told = json.loads(run.stdout)
     assert told["problems"] == sum(f["state"] == "problem" for f in told["findings"])
@@ -25,8 +25,8 @@ def doctor(*options, cwd="/", **variables):
     return told["findings"]
 
 
-def quick(*options, **variables):
-    return doctor("--no-render", *options, **variables)
+def quick(*options, **others):
+    return doctor("--no-render", *options, **others)
 
 
 def of(findings, state):
@@ -215,7 +215,13 @@ def test_denoiser_that_is_named_and_not_there(tree, tmp_path):
 
 
 def test_picture_that_fails(tree):
-    """A plugin that ends the process takes the recorder along, which is told as well."""
+    """stfrecord takes the plugin of its own tree: all of that is copied."""
+    programs = tree.parent / "bin"
+    programs.mkdir()
+    for name in ("stf", "stf-probe", "stfrecord"):
+        shutil.copy(BUILD / "bin" / name, programs)
     replace_library(tree, "aborting.so")
-    problems = of(doctor(PXR_PLUGINPATH_NAME=str(tree)), "problem")
-    assert len(problems) == 2 and "render: 8 x 8 pixels: stfrecord ended" in problems[1], problems
+    problems = of(doctor(stf=programs / "stf", PXR_PLUGINPATH_NAME=str(tree)), "problem")
+    assert len(problems) == 2 and "render: 8 x 8 pixels: stfrecord ended by a signal (Aborted)" in problems[1], problems
+    (programs / "stfrecord").unlink()
+    one(doctor(stf=programs / "stf", PXR_PLUGINPATH_NAME=str(BUILD / "plugin")), "warning", "no stfrecord beside stf")
