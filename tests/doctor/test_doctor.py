@@ -148,6 +148,15 @@ def test_function_that_is_missing(tree):
         "the OpenUSD here is not the one that the plugin was built for")
 
 
+def test_python_of_the_host(tree):
+    """A host has Python in it, a probe has not: no problem, whether this machine has a libpython or not."""
+    replace_library(tree, "python.so")
+    findings = quick(PXR_PLUGINPATH_NAME=str(tree))
+    assert not of(findings, "problem")
+    said = "\n".join(of(findings, "ok") + of(findings, "warning"))
+    assert "hdStf.so loads (with libpython3." in said or "whose Python its OpenUSD wants" in said, said
+
+
 def test_library_that_it_needs_is_missing(tree):
     replace_library(tree, "dependent.so")
     absent = PLUGINS / "absent.so"

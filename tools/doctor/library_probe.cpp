@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// "…: undefined symbol: _ZN..Ev" with the symbol as it is written in C++.
+/// "..: undefined symbol: _ZN..Ev" with the symbol as it is written in C++.
 std::string readable(const std::string& error) {
     const std::size_t at = error.rfind("_Z");
     if (at == std::string::npos) {

@@ -141,6 +141,31 @@ void addLibraries(const std::vector<std::string>& loaded, Findings& findings) {
     }
 }
 
+/// An OpenUSD with Python wants the Python that its host has in it.
+bool wantsPython(const ProbedLibrary& probed) {
+    static const std::regex symbol("undefined symbol: _?Py[A-Z_]");
+    return !probed.loaded && std::regex_search(probed.error, symbol);
+}
+
+/// Loads the plugin as a host does; where that takes a Python, with one of this machine, whose name `python` then is.
+ProbedLibrary probeAsHost(const PluginSearch& search, const std::string& library, std::vector<std::string> before,
+                          std::string& python) {
+    const ProbedLibrary alone = probeLibrary(search.probe, library, before);
+    if (!wantsPython(alone)) {
+        return alone;
+    }
+    before.insert(before.begin(), "");
+    for (int minor = 20; minor >= 6; --minor) {
+        before.front() = "libpython3." + std::to_string(minor) + ".so.1.0";
+        const ProbedLibrary probed = probeLibrary(search.probe, library, before);
+        if (probed.loaded) {
+            python = before.front();
+            return probed;
+        }
+    }
+    return alone;
+}
+
 void checkLibrary(const DescribedPlugin& plugin, const PluginSearch& search, Findings& findings) {
     std::error_code error;
     if (!fs::exists(plugin.library, error)) {
@@ -168,20 +193,29 @@ void checkLibrary(const DescribedPlugin& plugin, const PluginSearch& search, Fin
         before = {search.hostLibrary};
     }
     ProbedLibrary probed;
+    std::string python;
     try {
-        probed = probeLibrary(search.probe, plugin.library, before);
+        probed = probeAsHost(search, plugin.library, before, python);
     } catch (const Error& e) {
         findings.push_back(warning("plugin", std::string("whether it loads is not known: ") + e.what(),
                                    "stf-probe belongs beside stf: install hdStf anew"));
+        return;
+    }
+    if (wantsPython(probed)) {
+        findings.push_back(warning(
+            "plugin",
+            plugin.library + " cannot be tried outside its host, whose Python its OpenUSD wants: " + probed.error,
+            "install libpython of the host's version to try it here"));
         return;
     }
     if (!probed.loaded) {
         findings.push_back(loadProblem(plugin, probed.error));
         return;
     }
-    findings.push_back(ok("plugin", plugin.library + " loads; built for OpenUSD " +
-                                        (plugin.openUsd.empty() ? "of an unknown version" : plugin.openUsd) +
-                                        ", namespace " + wants));
+    findings.push_back(ok(
+        "plugin", plugin.library + " loads" + (python.empty() ? "" : " (with " + python + " for the host's Python)") +
+                      "; built for OpenUSD " + (plugin.openUsd.empty() ? "of an unknown version" : plugin.openUsd) +
+                      ", namespace " + wants));
     std::vector<std::string> hydras;
     std::copy_if(probed.libraries.begin(), probed.libraries.end(), std::back_inserter(hydras), hasHydra);
     for (const std::string& hydra : hydras) {
