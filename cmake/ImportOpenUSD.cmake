@@ -47,7 +47,7 @@ if(_python)
 endif()
 target_link_options(hdstf_openusd INTERFACE
     "$<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:-Wl,--no-as-needed;-Wl,--copy-dt-needed-entries;-Wl,--allow-shlib-undefined>")
-foreach(_name arch tf gf work plug vt sdf usd usdGeom usdLux usdShade hf hd hdsi usdImaging)
+foreach(_name arch tf gf work plug vt sdf sdr usd usdGeom usdLux usdRender usdShade hf hd hdsi usdImaging)
     add_library(${_name} INTERFACE IMPORTED)
     target_link_libraries(${_name} INTERFACE hdstf_openusd)
 endforeach()

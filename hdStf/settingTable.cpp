@@ -3,7 +3,10 @@
 
 #include "stfLib/render/renderer.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <limits>
 #include <sstream>
 
 namespace stf {
@@ -174,6 +177,39 @@ std::string settingText(const SettingValue& value) {
         text += (text.empty() ? "" : " ") + numberText(number);
     }
     return text;
+}
+
+std::optional<bool> flagOfText(const std::string& text) {
+    if (text == "on" || text == "true") {
+        return true;
+    }
+    return text == "off" || text == "false" ? std::optional<bool>(false) : std::nullopt;
+}
+
+bool settingHolds(const SettingRow& row, double number) {
+    return std::isfinite(number) && (row.aboveLeast ? number > row.least : number >= row.least) && number <= row.most;
+}
+
+bool settingTakes(const SettingRow& row, const std::string& text) {
+    if (std::holds_alternative<std::string>(row.own)) {
+        return row.choices.empty() || std::count(row.choices.begin(), row.choices.end(), text) > 0;
+    }
+    char* end = nullptr;
+    const std::optional<bool> flag = flagOfText(text);
+    const double number = flag ? double(*flag) : std::strtod(text.c_str(), &end);
+    if (!flag && (text.empty() || end != text.c_str() + text.size())) {
+        return false;
+    }
+    if (!std::isfinite(number)) {
+        return false;
+    }
+    if (std::holds_alternative<bool>(row.own)) {
+        return number > -1 && number < 2; // what is left of a fraction is 0 or 1
+    }
+    const double most = std::holds_alternative<int>(row.own)     ? std::numeric_limits<int>::max()
+                        : std::holds_alternative<float>(row.own) ? std::numeric_limits<float>::max()
+                                                                 : std::numeric_limits<double>::max();
+    return std::abs(number) <= most && (settingHolds(row, number) || row.outside == SettingRow::Outside::BroughtIn);
 }
 
 std::string settingRange(const SettingRow& row) {

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <limits>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -50,6 +51,12 @@ std::vector<std::string> variableNames();
 std::string settingType(const SettingValue& value);
 /// As the documentation writes it, which a setting can be given as: `0.02`, `on`, `dE1`, `0 0 1 1`.
 std::string settingText(const SettingValue& value);
+/// What "on", "true", "off" and "false" say; nothing of any other text.
+std::optional<bool> flagOfText(const std::string& text);
+/// Whether a number is within the range of a setting.
+bool settingHolds(const SettingRow& row, double number);
+/// Whether a setting that the environment gives as this text is taken (perhaps brought into its range).
+bool settingTakes(const SettingRow& row, const std::string& text);
 /// What a setting may be, in words: "at least 1", "`stf`, `reference`"; empty: anything of its type.
 std::string settingRange(const SettingRow& row);
 

@@ -21,12 +21,21 @@ VtValue _FromText(VtValue const& value) {
         return value;
     }
     std::string const& text = value.UncheckedGet<std::string>();
-    if (text == "true" || text == "false") {
-        return VtValue(text == "true");
+    if (std::optional<bool> const flag = stf::flagOfText(text)) {
+        return VtValue(*flag);
     }
     char* end = nullptr;
     const double number = std::strtod(text.c_str(), &end);
     return !text.empty() && end == text.c_str() + text.size() ? VtValue(number) : value;
+}
+
+/// A value in the type of another; empty where that cannot be, as for numbers that are none.
+VtValue _OfType(VtValue const& value, VtValue const& other) {
+    const VtValue given = _FromText(value);
+    if (given.IsHolding<double>() && !std::isfinite(given.UncheckedGet<double>())) {
+        return VtValue();
+    }
+    return VtValue::CastToTypeOf(given, other);
 }
 
 bool _IsWindow(GfVec4f const& window) {
@@ -37,10 +46,6 @@ bool _IsWindow(GfVec4f const& window) {
         }
     }
     return window[2] > window[0] && window[3] > window[1];
-}
-
-bool _IsWithin(stf::SettingRow const& row, double number) {
-    return std::isfinite(number) && (row.aboveLeast ? number > row.least : number >= row.least) && number <= row.most;
 }
 
 /// A value of the setting's type, within its range; empty where it is outside and is refused there.
@@ -56,8 +61,9 @@ VtValue _InRange(stf::SettingRow const& row, VtValue const& value) {
     if (!isNumber) {
         return value;
     }
-    const double number = VtValue::Cast<double>(value).UncheckedGet<double>();
-    if (_IsWithin(row, number)) {
+    const VtValue asDouble = VtValue::Cast<double>(value);
+    const double number = asDouble.UncheckedGet<double>();
+    if (stf::settingHolds(row, number)) {
         return value;
     }
     if (row.outside == stf::SettingRow::Outside::Refused || std::isnan(number)) {
@@ -95,7 +101,7 @@ VtValue _Default(stf::SettingRow const& row) {
     if (text.empty()) {
         return own;
     }
-    const VtValue typed = VtValue::CastToTypeOf(_FromText(VtValue(text)), own);
+    const VtValue typed = _OfType(VtValue(text), own);
     const VtValue given = typed.IsEmpty() ? typed : _InRange(row, typed);
     if (given.IsEmpty()) {
         TF_WARN("environment variable %s = \"%s\" is no value of %s; using %s", row.variable.c_str(), text.c_str(),
@@ -133,7 +139,7 @@ VtValue HdStfNormalizeSetting(HdRenderSettingDescriptorList const& descriptors, 
     stf::SettingRow const* const row = _FindRow(key);
     for (HdRenderSettingDescriptor const& descriptor : descriptors) {
         if (row && descriptor.key == key) {
-            const VtValue typed = VtValue::CastToTypeOf(_FromText(value), descriptor.defaultValue);
+            const VtValue typed = _OfType(value, descriptor.defaultValue);
             return typed.IsEmpty() ? VtValue() : _InRange(*row, typed);
         }
     }

@@ -59,7 +59,8 @@ def render(scene, name):
 
 def main():
     """All of the session, in order."""
-    hdstf_blender.register()
+    for again in (hdstf_blender.register, hdstf_blender.unregister, hdstf_blender.register):
+        again()
     seen = {"blender": bpy.app.version_string, "error": plugin.error}
     if not plugin.error:
         scene, ball = make_scene()

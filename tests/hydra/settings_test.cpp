@@ -203,4 +203,23 @@ TEST(Settings, StatisticsFollowTheJob) {
     EXPECT_EQ(of("rendererStage"), VtValue(std::string("done")));
 }
 
+TEST(Settings, TextIsTakenWhereTheTableSaysThatItIs) {
+    const HdRenderSettingDescriptorList descriptors = HdStfMakeSettingDescriptors();
+    int taken = 0, refused = 0;
+    for (stf::SettingRow const& row : stf::settingTable()) {
+        if (row.variable.empty()) {
+            continue; // no text of the environment
+        }
+        for (char const* text : {"0", "1", "-1", "0.5", "-0.25", "64", "65", "1e99", "nan", "inf", "7x", "on", "off",
+                                 "true", "false", "", "reference", "dE1", "box"}) {
+            const bool isTaken =
+                !HdStfNormalizeSetting(descriptors, TfToken(row.key), VtValue(std::string(text))).IsEmpty();
+            EXPECT_EQ(stf::settingTakes(row, text), isTaken) << row.key << " = \"" << text << "\"";
+            ++(isTaken ? taken : refused);
+        }
+    }
+    EXPECT_GT(taken, 50);
+    EXPECT_GT(refused, 50);
+}
+
 } // namespace

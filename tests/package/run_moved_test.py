@@ -11,7 +11,7 @@ import numpy as np
 
 from compare_images import read_rgb
 
-EXPECTED = ("bin/stf bin/stfrecord plugin/plugInfo.json plugin/hdStf/resources/plugInfo.json "
+EXPECTED = ("bin/stf bin/stf-probe bin/stfrecord plugin/plugInfo.json plugin/hdStf/resources/plugInfo.json "
             "plugin/stfSchemas/resources/generatedSchema.usda lib/libstf_base.a include/stfLib/render/renderer.h "
             "lib/cmake/stfLib/stfLibConfig.cmake share/hdstf/blender/hdstf_blender/__init__.py "
             "share/hdstf/usd_examples/marble_slab.usda share/hdstf/usd_examples/volumes/marble.vdb "
@@ -56,6 +56,10 @@ def main():
     environment["PXR_PLUGINPATH_NAME"] = str(a.tree / "plugin")
     moved = render(a.tree / "bin/stfrecord", a.tree / "share/hdstf/usd_examples/marble_slab.usda",
                    a.output / "moved.exr", environment)
+    doctor = subprocess.run([a.tree / "bin/stf", "doctor"], env=environment, cwd="/", capture_output=True, text=True)
+    print(doctor.stdout)
+    if doctor.returncode or f"{a.tree}/plugin/hdStf" not in doctor.stdout or "render: a shell" not in doctor.stdout:
+        failures.append(f"stf doctor finds fault with the moved tree ({doctor.returncode}): {doctor.stderr}")
     environment["PXR_PLUGINPATH_NAME"] = str(a.build / "plugin")
     built = render(a.build / "bin/stfrecord", a.build / "usd_examples/marble_slab.usda", a.output / "built.exr",
                    environment)

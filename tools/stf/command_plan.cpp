@@ -2,6 +2,7 @@
 #include "stfLib/base/temporary_folder.h"
 #include "tools/stf/commands.h"
 #include "tools/stf/program_folder.h"
+#include "tools/stf/run_program.h"
 
 #include <nlohmann/json.hpp>
 
@@ -9,10 +10,6 @@
 #include <cstdlib>
 #include <fstream>
 #include <memory>
-#include <spawn.h>
-#include <sys/wait.h>
-
-extern char** environ;
 
 namespace stf {
 
@@ -26,21 +23,13 @@ struct PlanArguments {
     bool json = false, run = false;
 };
 
-/// Runs a program with this environment; its exit code, or throws Error where it cannot be started.
-int runProgram(const std::vector<std::string>& words) {
-    std::vector<char*> argv;
-    for (const std::string& w : words) {
-        argv.push_back(const_cast<char*>(w.c_str()));
+/// The recorder's exit code.
+int runRecorder(const std::vector<std::string>& words) {
+    try {
+        return runProgram(words).code;
+    } catch (const Error& e) {
+        throw Error(std::string(e.what()) + ": `stf plan` needs a build with OpenUSD");
     }
-    argv.push_back(nullptr);
-    pid_t child = 0;
-    if (posix_spawnp(&child, argv[0], nullptr, nullptr, argv.data(), environ) != 0) {
-        throw Error("cannot start " + words[0] + ": `stf plan` needs a build with OpenUSD");
-    }
-    int status = 0;
-    while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-    }
-    return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
 }
 
 Json readPlan(const std::string& path) {
@@ -66,7 +55,7 @@ Json planOf(const PlanArguments& a, bool only) {
     for (const std::string& s : a.settings) {
         words.insert(words.end(), {"--set", s});
     }
-    const int code = runProgram(words);
+    const int code = runRecorder(words);
     const Json plan = code == 0 || code == 1 ? readPlan(folder.file("stats.json")) : Json();
     if (!plan.is_array()) {
         throw Error("no plan of " + a.scene);

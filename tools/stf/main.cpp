@@ -25,6 +25,7 @@ int main(int argc, char** argv) {
     stf::addStabilityCommand(app);
     stf::addReportCommand(app);
     stf::addSettingsCommand(app);
+    stf::addDoctorCommand(app);
     try {
         app.parse(argc, argv);
         return stf::kDone;

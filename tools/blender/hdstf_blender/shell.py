@@ -111,5 +111,10 @@ def unregister():
     """Removes them; custom properties stay with their objects."""
     del bpy.types.Object.hdstf
     while _registered:
-        bpy.utils.unregister_class(_registered.pop())
+        cls = _registered.pop()
+        bpy.utils.unregister_class(cls)
+        if cls is not HDSTF_OT_unset:
+            # Blender keeps the class. What its annotations have are functions of this module, which keep it and with it
+            # the module bpy: Blender 4.2 as a module would then end after Python, in a crash.
+            cls.__annotations__.clear()
     _names.clear()
