@@ -110,18 +110,21 @@ public:
     }
 
 private:
-    /// A primvar whose number of values fits, with zero for those that are not finite; false if it does not fit.
+    /// A primvar whose number of values fits, with zero for those that are not finite; false if it does not.
     template<class T>
     bool take(const CurveSet::Primvar<T>& from, CurveSet::Primvar<T>& to) {
         if (from.values.empty()) {
             return true;
         }
-        const std::size_t count = curves_.valueCount(from.interpolation);
-        if (from.values.size() < count ||
-            (from.interpolation != Interpolation::Constant && from.values.size() > count)) {
+        // One value is for all, whatever it is said to be: who forgets the interpolation of widths says "vertex".
+        const bool constant = from.values.size() == 1 || from.interpolation == Interpolation::Constant;
+        if (!constant && from.values.size() != curves_.valueCount(from.interpolation)) {
             return false;
         }
         to = from;
+        if (constant) {
+            to.interpolation = Interpolation::Constant;
+        }
         for (T& value : to.values) {
             if (!usable(value)) {
                 value = T();

@@ -20,7 +20,7 @@ import OpenEXR
 
 SKIPPED = 77  # the exit code that CTest takes for "skipped"
 SUFFIXES = {".usd", ".usda", ".usdc", ".usdz"}
-ENDED = {0: "rendered", 1: "rendered with errors", 2: "nothing rendered", 64: "bad usage"}  # stfrecord's exit codes
+ENDED = {0: "rendered", 1: "rendered with errors", 2: "nothing rendered"}  # stfrecord's exit codes
 # Of the delegate itself, and of the library below: a scene must not bring them about, whatever is in it.
 FAULTS = ("Coding Error", "Fatal error", "AddressSanitizer", "ThreadSanitizer", "runtime error:", "hdStf has no ")
 # Why a picture shows nothing, by what stfrecord says: the first that fits.
@@ -109,12 +109,15 @@ def main():
     parser.add_argument("--stfrecord", type=pathlib.Path, required=True)
     parser.add_argument("--plugin", type=pathlib.Path, required=True)
     parser.add_argument("--output", type=pathlib.Path, required=True)
-    parser.add_argument("--scenes", type=pathlib.Path, default=os.environ.get("HDSTF_IMAGING_SCENES") or None)
+    parser.add_argument("--scenes", type=pathlib.Path, default=os.environ.get("HDSTF_IMAGING_SCENES") or None,
+                        help="default: HDSTF_IMAGING_SCENES of the environment")
     parser.add_argument("--limit", type=float, default=300,
                         help="seconds that a scene may take on the clock; those of the processor are what is told")
     parser.add_argument("--only", default="", help="a part of the names of the scenes to render")
     parser.add_argument("--keep", action="store_true", help="leave the pictures in OUTPUT")
     arguments = parser.parse_args()
+    arguments.stfrecord, arguments.plugin, arguments.output = (
+        path.resolve() for path in (arguments.stfrecord, arguments.plugin, arguments.output))
     if not arguments.scenes:
         print("skipped: HDSTF_IMAGING_SCENES names no folder of USD files, such as the testenv folders of "
               "OpenUSD's pxr/usdImaging and pxr/imaging (docs/hosts.md)")

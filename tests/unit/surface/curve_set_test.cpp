@@ -12,7 +12,7 @@ using namespace stf::test;
 namespace {
 
 constexpr std::size_t plenty = 1'000'000;
-constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+constexpr float notANumber = std::numeric_limits<float>::quiet_NaN();
 
 CurveSet line(std::vector<Vec3f> points, float width) {
     CurveSet curves;
@@ -193,9 +193,9 @@ TEST(CurveSet, BadInputIsLeftOutAndSaid) {
     for (std::size_t i = 0; i < curves.points.size(); ++i) {
         curves.points[i] = {float(i), 0, 0};
     }
-    curves.points[10].y = nan;
+    curves.points[10].y = notANumber;
     curves.vertexCounts = {4, 5, 4, 4};
-    curves.widths = {{nan}, CurveSet::Interpolation::Constant};
+    curves.widths = {{notANumber}, CurveSet::Interpolation::Constant};
     curves.colors = {{Rgb(1), Rgb(1), Rgb(1)}, CurveSet::Interpolation::Uniform};
     CurveRepairs repairs;
     EXPECT_TRUE(tessellate(curves, 2, plenty, repairs).faceVertexCounts.empty());
