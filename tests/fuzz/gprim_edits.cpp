@@ -44,7 +44,7 @@ std::string addCurves(Session& s, Random& r) {
     if (path.IsEmpty() || s.prims<UsdGeomBasisCurves>().size() > 2) {
         return {};
     }
-    const UsdGeomBasisCurves curves = UsdGeomBasisCurves::Define(s.stage, path);
+    UsdGeomBasisCurves curves = UsdGeomBasisCurves::Define(s.stage, path);
     curves.GetTypeAttr().Set(r.of({UsdGeomTokens->linear, UsdGeomTokens->cubic}));
     curves.GetCurveVertexCountsAttr().Set(VtIntArray{4, 7});
     curves.GetPointsAttr().Set(randomPoints(pointCount, r));
@@ -59,7 +59,7 @@ std::string addPoints(Session& s, Random& r) {
     if (path.IsEmpty() || s.prims<UsdGeomPoints>().size() > 2) {
         return {};
     }
-    const UsdGeomPoints points = UsdGeomPoints::Define(s.stage, path);
+    UsdGeomPoints points = UsdGeomPoints::Define(s.stage, path);
     points.GetPointsAttr().Set(randomPoints(2 + r.below(4), r));
     points.GetWidthsAttr().Set(VtFloatArray{0.5f});
     points.SetWidthsInterpolation(UsdGeomTokens->constant);
