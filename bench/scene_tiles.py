@@ -66,7 +66,7 @@ class Comparison:
     def __init__(self, build, mitsuba, folder, quick, threads):
         self.stf, self.mitsuba, self.folder, self.threads = Stf(build), mitsuba, folder, threads
         self.record = flat.Recorder(build, folder)
-        self.samples, self.paths, self.quality = (128, 64, 0.05) if quick else (4096, 1024, 0.01)
+        self.samples, self.paths, self.quality = (128, 64, 0.05) if quick else (512, 1024, 0.01)
         self.maps = {}
 
     def __call__(self, name, tile, core):

@@ -1,4 +1,5 @@
-# Third-party packages of stfLib, found in the system or in any prefix of CMAKE_PREFIX_PATH. Nothing is vendored.
+# Third-party packages that a program with stfLib links, found in the system or in any prefix of CMAKE_PREFIX_PATH.
+# Nothing is vendored. Installed with stfLib's package, which includes this file: it may be read more than once.
 find_package(Threads REQUIRED)
 find_package(TBB 2021 REQUIRED CONFIG)
 # Debian's Imath config lists a Python library of another package and prints a page about it.
@@ -35,43 +36,22 @@ string(REGEX MATCH "[0-9]+$" OpenSubdiv_VERSION "${OpenSubdiv_VERSION}")
 if(OpenSubdiv_VERSION AND OpenSubdiv_VERSION LESS 30500)
     message(FATAL_ERROR "OpenSubdiv >= 3.5 is needed, found ${OpenSubdiv_VERSION} in ${OpenSubdiv_INCLUDE_DIR}")
 endif()
-add_library(stf_opensubdiv UNKNOWN IMPORTED GLOBAL)
-set_target_properties(stf_opensubdiv PROPERTIES
-    IMPORTED_LOCATION ${OpenSubdiv_LIBRARY}
-    INTERFACE_INCLUDE_DIRECTORIES ${OpenSubdiv_INCLUDE_DIR})
+if(NOT TARGET stf_opensubdiv)
+    add_library(stf_opensubdiv UNKNOWN IMPORTED GLOBAL)
+    set_target_properties(stf_opensubdiv PROPERTIES
+        IMPORTED_LOCATION ${OpenSubdiv_LIBRARY}
+        INTERFACE_INCLUDE_DIRECTORIES ${OpenSubdiv_INCLUDE_DIR})
+endif()
 
-# Header-only or small helpers: eigenvalues, counter-based random numbers, hashing, JSON, options, PNG.
-find_package(Eigen3 3.3 REQUIRED NO_MODULE)
+# Counter-based random numbers (headers, which stfLib's own include) and hashing.
 find_path(RANDOM123_INCLUDE_DIR Random123/philox.h REQUIRED)
 find_path(XXHASH_INCLUDE_DIR xxhash.h REQUIRED)
 find_library(XXHASH_LIBRARY xxhash REQUIRED)
-find_path(STB_INCLUDE_DIR stb_image_write.h PATH_SUFFIXES stb REQUIRED)
-find_package(nlohmann_json 3 REQUIRED CONFIG)
-find_package(CLI11 2 REQUIRED CONFIG)
-foreach(lib RANDOM123 XXHASH STB)
-    string(TOLOWER stf_${lib} target)
-    add_library(${target} INTERFACE)
-    target_include_directories(${target} SYSTEM INTERFACE ${${lib}_INCLUDE_DIR})
-    if(${lib}_LIBRARY)
-        target_link_libraries(${target} INTERFACE ${${lib}_LIBRARY})
-    endif()
-endforeach()
-
-# Readers of meshes (layer acquire). Debian's config names a folder of headers that a package may not have.
-find_package(assimp 5 REQUIRED CONFIG)
-# Drawings of the tools: sheets of materials and volumes.
-find_path(CAIRO_INCLUDE_DIR cairo.h PATH_SUFFIXES cairo REQUIRED)
-find_library(CAIRO_LIBRARY cairo REQUIRED)
-add_library(stf_cairo INTERFACE)
-target_include_directories(stf_cairo SYSTEM INTERFACE ${CAIRO_INCLUDE_DIR})
-target_link_libraries(stf_cairo INTERFACE ${CAIRO_LIBRARY})
-
-# Readers of scans. ITK's configuration prints pages about programs of other packages.
-find_package(ZLIB REQUIRED)
-set(CMAKE_MESSAGE_LOG_LEVEL WARNING)
-find_package(ITK 5 REQUIRED CONFIG
-    COMPONENTS ITKIOImageBase ITKIOGDCM ITKIOMeta ITKIONIFTI ITKIONRRD ITKIOTIFF)
-unset(CMAKE_MESSAGE_LOG_LEVEL)
-add_library(stf_itk INTERFACE)
-target_include_directories(stf_itk SYSTEM INTERFACE ${ITK_INCLUDE_DIRS})
-target_link_libraries(stf_itk INTERFACE ${ITK_LIBRARIES})
+if(NOT TARGET stf_random123)
+    add_library(stf_random123 INTERFACE IMPORTED GLOBAL)
+    set_target_properties(stf_random123 PROPERTIES INTERFACE_INCLUDE_DIRECTORIES ${RANDOM123_INCLUDE_DIR})
+    add_library(stf_xxhash INTERFACE IMPORTED GLOBAL)
+    set_target_properties(stf_xxhash PROPERTIES
+        INTERFACE_INCLUDE_DIRECTORIES ${XXHASH_INCLUDE_DIR}
+        INTERFACE_LINK_LIBRARIES ${XXHASH_LIBRARY})
+endif()

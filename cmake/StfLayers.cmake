@@ -9,6 +9,9 @@ target_link_libraries(stf_options INTERFACE stf_sanitize)
 # The order in which layers stand on each other; a layer may use those before it only.
 set(STF_LAYER_ORDER base optics volume acquire transport surface synthesis shell core render reference cache)
 
+# Third-party targets that are headers alone: who links a layer from an installed package needs none of them.
+set(STF_HEADER_ONLY Eigen3::Eigen nlohmann_json::nlohmann_json stf_stb)
+
 # stf_layer(<name> SOURCES ... [LAYERS ...] [LINKS ...])
 #   LAYERS  the layers it uses (transitively known through them as well)
 #   LINKS   third-party targets, private: no public header of stfLib names their types
@@ -26,11 +29,20 @@ function(stf_layer name)
     endforeach()
 
     add_library(stf_${name} STATIC ${ARG_SOURCES})
-    target_include_directories(stf_${name} PUBLIC ${PROJECT_SOURCE_DIR})
+    target_include_directories(stf_${name} PUBLIC
+        $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:include>)
+    set_target_properties(stf_${name} PROPERTIES EXPORT_NAME ${name})
+    add_library(stf::${name} ALIAS stf_${name})
     foreach(layer IN LISTS ARG_LAYERS)
         target_link_libraries(stf_${name} PUBLIC stf_${layer})
     endforeach()
-    target_link_libraries(stf_${name} PRIVATE stf_options ${ARG_LINKS})
+    target_link_libraries(stf_${name} PRIVATE $<BUILD_INTERFACE:stf_options>)
+    foreach(link IN LISTS ARG_LINKS)
+        if(link IN_LIST STF_HEADER_ONLY)
+            set(link $<BUILD_INTERFACE:${link}>)
+        endif()
+        target_link_libraries(stf_${name} PRIVATE ${link})
+    endforeach()
 
     file(GLOB files CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${name}/*.h ${CMAKE_CURRENT_SOURCE_DIR}/${name}/*.cpp)
     set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${files})

@@ -2,12 +2,14 @@
 #include "hdStf/hostInterface.h"
 
 #include "hdStf/renderDelegate.h"
+#include "hdStf/settingTable.h"
 #include "hdStf/settings.h"
 #include "hdStf/tokens.h"
 
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <mutex>
 #include <vector>
@@ -50,11 +52,33 @@ nlohmann::json _Json(VtValue const& value) {
     return number.IsEmpty() ? nlohmann::json() : nlohmann::json(number.UncheckedGet<double>());
 }
 
+/// Meanings are written in Markdown.
+std::string _Plain(std::string text) {
+    text.erase(std::remove(text.begin(), text.end(), '`'), text.end());
+    return text;
+}
+
 nlohmann::json _Settings() {
     nlohmann::json list = nlohmann::json::array();
     for (HdRenderSettingDescriptor const& setting : HdStfPanelDescriptors(HdStfMakeSettingDescriptors())) {
-        list.push_back(
-            {{"key", setting.key.GetString()}, {"name", setting.name}, {"default", _Json(setting.defaultValue)}});
+        nlohmann::json json{
+            {"key", setting.key.GetString()}, {"name", setting.name}, {"default", _Json(setting.defaultValue)}};
+        for (stf::SettingRow const& row : stf::settingTable()) {
+            if (setting.key != row.key) {
+                continue;
+            }
+            json["description"] = _Plain(row.meaning);
+            if (std::isfinite(row.least)) {
+                json["least"] = row.least;
+            }
+            if (std::isfinite(row.most)) {
+                json["most"] = row.most;
+            }
+            if (!row.choices.empty()) {
+                json["choices"] = row.choices;
+            }
+        }
+        list.push_back(json);
     }
     return list;
 }

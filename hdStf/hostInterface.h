@@ -20,8 +20,9 @@
 
 extern "C" {
 
-/// The settings that panels are offered, in order, as JSON: `[{"key", "name", "default"}, ..]`; defaults are
-/// booleans, integers, numbers with a point, or strings.
+/// The settings that panels are offered, in order, as JSON: `[{"key", "name", "default", "description"}, ..]`; defaults
+/// are booleans, integers, numbers with a point, or strings. Where there are such: "least" and "most" of numbers,
+/// "choices" of strings.
 HDSTF_EXPORT size_t hdStfSettingsJson(char* buffer, size_t size);
 
 /// State of the delegate that was made last and is still there, as JSON: `{"annotation", "percentDone", "messages":

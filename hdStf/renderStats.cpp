@@ -11,7 +11,9 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <fstream>
 #include <sys/resource.h>
+#include <unistd.h>
 
 PXR_NAMESPACE_OPEN_SCOPE
 
@@ -25,6 +27,13 @@ size_t _PeakMemory() {
 #else
     return static_cast<size_t>(usage.ru_maxrss) * 1024; // kilobytes
 #endif
+}
+
+/// Bytes that the process has in memory now; its peak where the system does not say.
+size_t _TotalMemory() {
+    std::ifstream file("/proc/self/statm");
+    size_t pages = 0, resident = 0;
+    return file >> pages >> resident ? resident * static_cast<size_t>(sysconf(_SC_PAGESIZE)) : _PeakMemory();
 }
 
 std::string _Dump(nlohmann::json const& json) {
@@ -65,6 +74,14 @@ std::string _MessagesJson(HdStfMessages const& messages) {
     return _Dump(list);
 }
 
+/// prepare, transport, ... as the job names them; render, done.
+std::string _Stage(HdStfRenderJob::Progress const& progress) {
+    if (progress.finished) {
+        return "done";
+    }
+    return progress.samplesDone > 0 ? "render" : progress.stage;
+}
+
 /// Names and ids as a cryptomatte's manifest has them.
 std::string _ManifestJson(std::vector<std::string> const& names) {
     nlohmann::json manifest = nlohmann::json::object();
@@ -100,6 +117,10 @@ VtDictionary HdStfMakeRenderStats(HdStfRenderJob::Progress const& progress, HdSt
     set(HdPerfTokens->numCompletedSamples, progress.samplesDone);
     set(HdStfStatsTokens->rendererName, std::string("Stf"));
     set(HdStfStatsTokens->renderProgressAnnotation, _Annotation(progress));
+    set(HdStfStatsTokens->rendererStage, _Stage(progress));
+    set(HdStfStatsTokens->stageFraction,
+        progress.finished || progress.samplesDone > 0 ? fraction : std::clamp(progress.stageFraction, 0.0, 1.0));
+    set(HdStfStatsTokens->totalMemory, _TotalMemory());
     set(HdStfStatsTokens->peakMemory, _PeakMemory());
 
     set(HdStfStatsTokens->plan,

@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStf/settings.h"
 
-#include "hdStf/tokens.h"
-#include "stfLib/render/pixel_filter.h"
+#include "hdStf/settingTable.h"
 
 #include "pxr/base/gf/vec4f.h"
 #include "pxr/base/tf/getenv.h"
-#include "pxr/base/tf/stringUtils.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <type_traits>
 
 PXR_NAMESPACE_OPEN_SCOPE
 
@@ -30,102 +29,89 @@ VtValue _FromText(VtValue const& value) {
     return !text.empty() && end == text.c_str() + text.size() ? VtValue(number) : value;
 }
 
-VtValue _InRange(TfToken const& key, VtValue const& value) {
-    if (key == HdStfRenderSettingsTokens->samples) {
-        return VtValue(std::max(1, value.UncheckedGet<int>()));
-    }
-    if (key == HdStfRenderSettingsTokens->errorTarget) {
-        const float target = value.UncheckedGet<float>();
-        return target >= 0 && std::isfinite(target) ? value : VtValue();
-    }
-    if (key == HdStfRenderSettingsTokens->threads) {
-        return VtValue(std::max(0, value.UncheckedGet<int>()));
-    }
-    if (key == HdStfRenderSettingsTokens->maxDepth) {
-        return VtValue(std::max(0, value.UncheckedGet<int>()));
-    }
-    if (key == HdStfRenderSettingsTokens->indirectClamp) {
-        const float most = value.UncheckedGet<float>();
-        return most >= 0 && std::isfinite(most) ? value : VtValue();
-    }
-    if (key == HdStfRenderSettingsTokens->quality) {
-        const float quality = value.UncheckedGet<float>();
-        return quality > 0 && std::isfinite(quality) ? value : VtValue();
-    }
-    if (key == HdStfRenderSettingsTokens->transport) {
-        std::string const& form = value.UncheckedGet<std::string>();
-        return form == "dE1" || form == "classic" ? value : VtValue();
-    }
-    if (key == HdStfRenderSettingsTokens->integrator) {
-        std::string const& name = value.UncheckedGet<std::string>();
-        return name == "stf" || name == "reference" ? value : VtValue();
-    }
-    if (key == HdStfRenderSettingsTokens->pixelFilter) {
-        stf::PixelFilter::Shape shape;
-        return stf::PixelFilter::shapeFromName(value.UncheckedGet<std::string>(), shape) ? value : VtValue();
-    }
-    if (key == HdStfRenderSettingsTokens->pixelFilterWidth) {
-        const float width = value.UncheckedGet<float>();
-        return width >= 0 && width <= 64 ? value : VtValue();
-    }
-    if (key == HdStfRenderSettingsTokens->dataWindowNDC) {
-        const GfVec4f window = value.UncheckedGet<GfVec4f>();
-        const bool finite = std::isfinite(window[0]) && std::isfinite(window[1]) && std::isfinite(window[2]) &&
-                            std::isfinite(window[3]);
+bool _IsWindow(GfVec4f const& window) {
+    for (int i = 0; i < 4; ++i) {
         // Sixteen frames' worth of overscan bounds what a wrong number may cost.
-        const bool bounded = finite && std::abs(window[0]) < 16 && std::abs(window[1]) < 16 &&
-                             std::abs(window[2]) < 16 && std::abs(window[3]) < 16;
-        return bounded && window[2] > window[0] && window[3] > window[1] ? value : VtValue();
+        if (!std::isfinite(window[i]) || std::abs(window[i]) >= 16) {
+            return false;
+        }
     }
-    if (key == HdStfRenderSettingsTokens->stageMetersPerUnit) {
-        const double meters = value.UncheckedGet<double>();
-        return meters > 0 && std::isfinite(meters) ? value : VtValue();
+    return window[2] > window[0] && window[3] > window[1];
+}
+
+bool _IsWithin(stf::SettingRow const& row, double number) {
+    return std::isfinite(number) && (row.aboveLeast ? number > row.least : number >= row.least) && number <= row.most;
+}
+
+/// A value of the setting's type, within its range; empty where it is outside and is refused there.
+VtValue _InRange(stf::SettingRow const& row, VtValue const& value) {
+    if (value.IsHolding<std::string>() && !row.choices.empty()) {
+        std::string const& text = value.UncheckedGet<std::string>();
+        return std::count(row.choices.begin(), row.choices.end(), text) ? value : VtValue();
     }
-    return value;
+    if (value.IsHolding<GfVec4f>()) {
+        return _IsWindow(value.UncheckedGet<GfVec4f>()) ? value : VtValue();
+    }
+    const bool isNumber = value.IsHolding<int>() || value.IsHolding<float>() || value.IsHolding<double>();
+    if (!isNumber) {
+        return value;
+    }
+    const double number = VtValue::Cast<double>(value).UncheckedGet<double>();
+    if (_IsWithin(row, number)) {
+        return value;
+    }
+    if (row.outside == stf::SettingRow::Outside::Refused || std::isnan(number)) {
+        return VtValue();
+    }
+    return VtValue::CastToTypeOf(VtValue(std::min(std::max(number, row.least), row.most)), value);
+}
+
+/// The row of a key; null: no setting of this delegate.
+stf::SettingRow const* _FindRow(TfToken const& key) {
+    for (stf::SettingRow const& row : stf::settingTable()) {
+        if (key == row.key) {
+            return &row;
+        }
+    }
+    return nullptr;
+}
+
+VtValue _OwnValue(stf::SettingRow const& row) {
+    return std::visit(
+        [](auto const& own) {
+            if constexpr (std::is_same_v<std::decay_t<decltype(own)>, std::array<float, 4>>) {
+                return VtValue(GfVec4f(own.data()));
+            } else {
+                return VtValue(own);
+            }
+        },
+        row.own);
+}
+
+/// The default: what the environment says, by the same types and ranges as everybody's values, or the setting's own.
+VtValue _Default(stf::SettingRow const& row) {
+    const VtValue own = _OwnValue(row);
+    const std::string text = row.variable.empty() ? std::string() : TfGetenv(row.variable);
+    if (text.empty()) {
+        return own;
+    }
+    const VtValue typed = VtValue::CastToTypeOf(_FromText(VtValue(text)), own);
+    const VtValue given = typed.IsEmpty() ? typed : _InRange(row, typed);
+    if (given.IsEmpty()) {
+        TF_WARN("environment variable %s = \"%s\" is no value of %s; using %s", row.variable.c_str(), text.c_str(),
+                row.key.c_str(), stf::settingText(row.own).c_str());
+        return own;
+    }
+    return given;
 }
 
 } // namespace
 
 HdRenderSettingDescriptorList HdStfMakeSettingDescriptors() {
     HdRenderSettingDescriptorList list;
-    // A default of the environment obeys the same types and ranges as everybody's values.
-    const auto add = [&list](char const* name, TfToken const& key, VtValue const& own, char const* variable) {
-        VtValue value = own;
-        if (const std::string text = variable ? TfGetenv(variable) : std::string(); !text.empty()) {
-            const VtValue typed = VtValue::CastToTypeOf(_FromText(VtValue(text)), own);
-            const VtValue given = typed.IsEmpty() ? typed : _InRange(key, typed);
-            if (given.IsEmpty()) {
-                TF_WARN("environment variable %s = \"%s\" is no value of %s; using %s", variable, text.c_str(),
-                        key.GetText(), TfStringify(own).c_str());
-            } else {
-                value = given;
-            }
-        }
-        list.push_back({name, key, value});
-    };
-    auto const& keys = HdStfRenderSettingsTokens;
-    add("Samples per pixel", keys->samples, VtValue(64), "HDSTF_SAMPLES");
-    add("Wanted error of a pixel (0 = off)", keys->errorTarget, VtValue(0.0f), "HDSTF_ERROR_TARGET");
-    add("Seed", keys->seed, VtValue(0), "HDSTF_SEED");
-    add("Target error of the tables", keys->quality, VtValue(0.02f), "HDSTF_QUALITY");
-    add("Seed of the tables", keys->tableSeed, VtValue(0), "HDSTF_TABLE_SEED");
-    add("Form of transport (dE1, classic)", keys->transport, VtValue(std::string("dE1")), "HDSTF_TRANSPORT");
-    add("Integrator (stf, reference)", keys->integrator, VtValue(std::string("stf")), "HDSTF_INTEGRATOR");
-    add("Bounces off surfaces without a shell", keys->maxDepth, VtValue(4), "HDSTF_MAX_DEPTH");
-    add("Most light of a bounced path (0 = no limit)", keys->indirectClamp, VtValue(0.0f), "HDSTF_INDIRECT_CLAMP");
-    add("Blur what paths of bounces find too rarely", keys->regularize, VtValue(true), "HDSTF_REGULARIZE");
-    add("Pixel filter (box, triangle, gaussian, blackmanHarris)", keys->pixelFilter,
-        VtValue(std::string("blackmanHarris")), "HDSTF_PIXEL_FILTER");
-    add("Width of the pixel filter (0 = its own)", keys->pixelFilterWidth, VtValue(0.0f), "HDSTF_PIXEL_FILTER_WIDTH");
-    add("Depth of field", keys->depthOfField, VtValue(true), "HDSTF_DEPTH_OF_FIELD");
-    add("Keep light between surfaces at samples of shells", keys->irradianceCache, VtValue(true),
-        "HDSTF_IRRADIANCE_CACHE");
-    add("Motion blur", keys->motionBlur, VtValue(true), "HDSTF_MOTION_BLUR");
-    add("Denoise the finished colour", keys->denoise, VtValue(false), "HDSTF_DENOISE");
-    add("Data window (x and y from, to; shares of the frame)", keys->dataWindowNDC, VtValue(GfVec4f(0, 0, 1, 1)),
-        nullptr);
-    add("Threads (0 = all cores)", keys->threads, VtValue(0), "HDSTF_THREADS");
-    add("Metres per scene unit", keys->stageMetersPerUnit, VtValue(0.01), "HDSTF_STAGE_METERS_PER_UNIT");
+    for (stf::SettingRow const& row : stf::settingTable()) {
+        list.push_back({row.name, TfToken(row.key), _Default(row)});
+    }
     return list;
 }
 
@@ -144,10 +130,11 @@ HdRenderSettingDescriptorList HdStfPanelDescriptors(HdRenderSettingDescriptorLis
 
 VtValue HdStfNormalizeSetting(HdRenderSettingDescriptorList const& descriptors, TfToken const& key,
                               VtValue const& value) {
+    stf::SettingRow const* const row = _FindRow(key);
     for (HdRenderSettingDescriptor const& descriptor : descriptors) {
-        if (descriptor.key == key) {
+        if (row && descriptor.key == key) {
             const VtValue typed = VtValue::CastToTypeOf(_FromText(value), descriptor.defaultValue);
-            return typed.IsEmpty() ? VtValue() : _InRange(key, typed);
+            return typed.IsEmpty() ? VtValue() : _InRange(*row, typed);
         }
     }
     return VtValue();

@@ -6,8 +6,8 @@
 
 PXR_NAMESPACE_OPEN_SCOPE
 
-/// The render settings the delegate offers. Defaults come from the environment where it says something
-/// (docs/settings.md has the variables).
+/// The render settings the delegate offers, those of settingTable.h. Defaults come from the environment where it says
+/// something.
 HdRenderSettingDescriptorList HdStfMakeSettingDescriptors();
 
 /// Those of them that a host's panel can show: usdview has widgets for bool, int, float and string, and warns of every

@@ -24,10 +24,12 @@ PXR_NAMESPACE_OPEN_SCOPE
 
 /// Entries of GetRenderStats that hosts know, and those of hdStf's own.
 #define HDSTF_STATS_TOKENS                                                                                             \
-    (percentDone)(fractionDone)(totalClockTime)(rendererName)(renderProgressAnnotation)(peakMemory)((                  \
-        plan, "stf:plan"))((messages, "stf:messages"))((precomputeSeconds, "stf:precomputeSeconds"))(                  \
-        (synthesisSeconds, "stf:synthesisSeconds"))((shellSeconds, "stf:shellSeconds"))(                               \
-        (coreSeconds, "stf:coreSeconds"))((indirectSeconds, "stf:indirectSeconds"))((loadSeconds, "stf:loadSeconds"))( \
+    (percentDone)(fractionDone)(                                                                                       \
+        totalClockTime)(rendererName)(renderProgressAnnotation)(rendererStage)(totalMemory)(peakMemory)((              \
+        stageFraction, "stf:stageFraction"))((plan, "stf:plan"))((messages, "stf:messages"))(                          \
+        (precomputeSeconds, "stf:precomputeSeconds"))((synthesisSeconds, "stf:synthesisSeconds"))(                     \
+        (shellSeconds, "stf:shellSeconds"))((coreSeconds, "stf:coreSeconds"))(                                         \
+        (indirectSeconds, "stf:indirectSeconds"))((loadSeconds, "stf:loadSeconds"))(                                   \
         (firstPixelSeconds, "stf:firstPixelSeconds"))((renderSeconds, "stf:renderSeconds"))(                           \
         (syntheses, "stf:syntheses"))((grids, "stf:grids"))((poses, "stf:poses"))((tableBytes, "stf:tableBytes"))(     \
         (shellBytes, "stf:shellBytes"))((rays, "stf:rays"))((estimatedError, "stf:estimatedError"))(                   \

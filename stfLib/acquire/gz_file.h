@@ -8,6 +8,8 @@
 #include <string>
 #include <zlib.h>
 
+// Private to the layer acquire: names a type of zlib.
+
 namespace stf {
 
 /// A file that is read at any place, unpacked where it is packed by gzip. Throws Error where it cannot be opened.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+// Private to stfLib's sources.
 // OpenVDB and Embree are built with oneTBB, older OpenUSD with classic TBB. A translation unit that mixes them
 // compiles and links but silently breaks OpenVDB's memory layout; every unit that includes TBB or OpenVDB includes
 // this first.

@@ -14,13 +14,13 @@ constexpr float kTolerance = 1e-3f;
 CoreSolver::CoreSolver(std::shared_ptr<const CoreResponse> response, CoreLight light)
     : response_(std::move(response)), light_(std::move(light)) {}
 
-void CoreSolver::solve(Progress& progress) {
+void CoreSolver::solve(Progress& progress, const std::vector<Rgb>& start) {
     const std::size_t n = light_.diffuse.size();
-    exitance_.assign(n, Rgb(0.0f));
+    exitance_ = start.size() == n ? start : std::vector<Rgb>(n, Rgb(0.0f));
     std::vector<Rgb> source(n);
     float ratio = 0; // of one term of the series to the next
     for (std::size_t i = 0; i < n; ++i) {
-        source[i] = light_.diffuse[i] + light_.direct[i];
+        source[i] = light_.diffuse[i] + light_.direct[i] + light_.shellReflectance[i] * exitance_[i];
         ratio = std::max(ratio, maxComponent(light_.shellReflectance[i]) * response_->largestAlbedo());
     }
     for (iterations_ = 1; iterations_ <= kMaxIterations; ++iterations_) {

@@ -26,8 +26,9 @@ class CoreSolver {
 public:
     CoreSolver(std::shared_ptr<const CoreResponse> response, CoreLight light);
 
-    /// Fixed point to a relative change of 0.1 %. Throws Cancelled.
-    void solve(Progress& progress);
+    /// Fixed point to a relative change of 0.1 %. `start`: an exitance to begin with, such as that under light that
+    /// was nearly the same; empty: none. Throws Cancelled.
+    void solve(Progress& progress, const std::vector<Rgb>& start = {});
     /// B at the samples.
     const std::vector<Rgb>& exitance() const { return exitance_; }
     /// Exitance by dipoles alone at any place (mm), after `solve`; see SampleTree::terms for `epsilon`.

@@ -32,23 +32,44 @@ void AdaptiveSampling::beforePass(const Film& film, std::uint32_t pass, double t
         mean += p.mean;
     }
     mean /= std::max<double>(1, double(pixels.size()));
-    parallelFor(std::size_t(height_), 16, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t row = begin; row < end; ++row) {
-            const int y = int(row);
-            for (int x = 0; x < width_; ++x) {
-                double error = 0, bright = 0;
-                int n = 0;
-                for (int j = std::max(0, y - 1); j <= std::min(height_ - 1, y + 1); ++j) {
-                    for (int i = std::max(0, x - 1); i <= std::min(width_ - 1, x + 1); ++i, ++n) {
-                        const LuminanceEstimate& p = pixels[std::size_t(j) * std::size_t(width_) + std::size_t(i)];
-                        error += p.error;
-                        bright += p.mean;
-                    }
-                }
-                active_[row * std::size_t(width_) + std::size_t(x)] =
-                    error / n > target * std::max(bright / n, kLeastShare * mean);
+    const auto aroundPixel = [&](int x, int y, const auto& visit) {
+        for (int j = std::max(0, y - 1); j <= std::min(height_ - 1, y + 1); ++j) {
+            for (int i = std::max(0, x - 1); i <= std::min(width_ - 1, x + 1); ++i) {
+                visit(std::size_t(j) * std::size_t(width_) + std::size_t(i));
             }
         }
+    };
+    const auto everyPixel = [&](const auto& visit) {
+        parallelFor(std::size_t(height_), 16, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t row = begin; row < end; ++row) {
+                for (int x = 0; x < width_; ++x) {
+                    visit(x, int(row), row * std::size_t(width_) + std::size_t(x));
+                }
+            }
+        });
+    };
+    // Which pixel around each that is not good enough has the largest error.
+    constexpr std::uint32_t none = ~std::uint32_t(0);
+    std::vector<std::uint32_t> worst(pixels.size(), none);
+    everyPixel([&](int x, int y, std::size_t pixel) {
+        double error = 0, bright = 0;
+        int n = 0;
+        std::size_t largest = pixel;
+        aroundPixel(x, y, [&](std::size_t other) {
+            const LuminanceEstimate& p = pixels[other];
+            error += p.error;
+            bright += p.mean;
+            largest = p.error > pixels[largest].error ? other : largest;
+            ++n;
+        });
+        if (error / n > target * std::max(bright / n, kLeastShare * mean)) {
+            worst[pixel] = std::uint32_t(largest);
+        }
+    });
+    everyPixel([&](int x, int y, std::size_t pixel) {
+        bool active = worst[pixel] != none;
+        aroundPixel(x, y, [&](std::size_t other) { active = active || worst[other] == pixel; });
+        active_[pixel] = active;
     });
     count_ = std::size_t(std::count(active_.begin(), active_.end(), std::uint8_t(1)));
 }

@@ -11,7 +11,9 @@ namespace stf {
 /// Which pixels still need samples. Pixels are judged together, after passes that double in number from 16 on: each by
 /// the standard error of its luminance, averaged over it and the eight around it (its own scatter alone would let those
 /// go whose samples happen to agree, which are too dark as a rule), against `target` times their mean luminance, or
-/// times a quarter of the image's where that is more. A pixel that was let go comes back if its surroundings change.
+/// times a quarter of the image's where that is more. Of the nine the one of the largest error goes on as well, though it
+/// may be good enough among its own neighbours: beside a bright edge dark pixels would wait for it without end. A pixel
+/// that was let go comes back if its surroundings change.
 /// The same for any number of threads. One thread; `active` from any while nobody decides.
 class AdaptiveSampling {
 public:

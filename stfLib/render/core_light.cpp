@@ -339,7 +339,7 @@ CoreLighting::CoreLighting(std::shared_ptr<const ShellCore> core, const Prepared
 
 CoreLighting::~CoreLighting() = default;
 
-std::vector<Rgb> CoreLighting::radiance(Progress& progress) const {
+std::vector<Rgb> CoreLighting::radiance(Progress& progress) {
     const Impl& s = *impl_;
     const std::size_t count = s.core->samples->count();
     if (count == 0) {
@@ -366,8 +366,9 @@ std::vector<Rgb> CoreLighting::radiance(Progress& progress) const {
         });
     }
     CoreSolver solver(s.core->response, std::move(light));
-    solver.solve(progress);
-    std::vector<Rgb> radiance = s.core->toSurface.apply(solver.exitance());
+    solver.solve(progress, exitance_);
+    exitance_ = solver.exitance();
+    std::vector<Rgb> radiance = s.core->toSurface.apply(exitance_);
     for (Rgb& r : radiance) {
         r = r / kPi;
     }

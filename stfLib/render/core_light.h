@@ -46,12 +46,13 @@ public:
     CoreLighting& operator=(const CoreLighting&) = delete;
 
     /// Solves the core's balance for the lights and the instance's indirect light of now: radiance that leaves the core
-    /// (B / pi, tile units cancel), per point of the surface. Throws Cancelled.
-    std::vector<Rgb> radiance(Progress& progress) const;
+    /// (B / pi, tile units cancel), per point of the surface. Begins with what it was the last time. Throws Cancelled.
+    std::vector<Rgb> radiance(Progress& progress);
 
 private:
     struct Impl;
     std::unique_ptr<const Impl> impl_;
+    std::vector<Rgb> exitance_; ///< of the last time
 };
 
 /// A point of the surface moved by a random step of at most `radius` (object units) within the tangent plane and put

@@ -3,8 +3,11 @@
 
 #include "stfLib/render/core_light.h"
 #include "stfLib/render/shell_glow.h"
+#include "stfLib/render/shells_compiled.h"
 #include "stfLib/render/surface_point.h"
 #include "stfLib/transport/tile_tracer.h"
+
+#include <optional>
 
 namespace stf {
 
@@ -271,7 +274,7 @@ PixelSample Integrator::sample(const Bundle& bundle, int i, const RayCone& cone,
             out.core += core;
         }
     };
-    if (!scene_.aroundCamera.empty()) {
+    if (kShellsCompiled && !scene_.aroundCamera.empty()) {
         if (Rgb core(0.0f); !startWithin(path, core)) {
             collect(Rgb(0.0f), Rgb(0.0f), core);
             out.cover(0, 1); // which core it is is not known
@@ -283,7 +286,7 @@ PixelSample Integrator::sample(const Bundle& bundle, int i, const RayCone& cone,
     }
     bool known = path.withinCount == 0; // what the ray meets
     for (int surface = 0; surface < kMaxSurfaces; ++surface) {
-        while (path.withinCount > 0 && !path.lightsOnly && !path.met) {
+        while (kShellsCompiled && path.withinCount > 0 && !path.lightsOnly && !path.met) {
             const PreparedInstance& around = *path.within[path.withinCount - 1];
             const Interior r = crossInterior(around, path, cone, sampler);
             if (r.inside) {
@@ -305,7 +308,7 @@ PixelSample Integrator::sample(const Bundle& bundle, int i, const RayCone& cone,
             }
             --path.withinCount;
         }
-        if (path.lightsOnly && path.withinCount > 0) {
+        if (kShellsCompiled && path.lightsOnly && path.withinCount > 0) {
             leaveShells(path, sampler);
         }
         path.met = false;
@@ -351,8 +354,11 @@ PixelSample Integrator::sample(const Bundle& bundle, int i, const RayCone& cone,
         }
         const PreparedInstance& instance = rays_.instance(hit.instance);
         const Surfel surfel = surfelAt(instance, ray, hit);
-        const ShellObject* const shell = instance.mesh->shell.get();
-        const WayOutGuard wayOut(*this, path, sampler);
+        const ShellObject* const shell = kShellsCompiled ? instance.mesh->shell.get() : nullptr;
+        std::optional<WayOutGuard> wayOut;
+        if (kShellsCompiled && path.withinCount > 0) {
+            wayOut.emplace(*this, path, sampler);
+        }
         if (!shell) {
             const Rgb before = throughput;
             const bool seen = path.seen(), bounced = path.bounced;
@@ -435,8 +441,8 @@ PixelHit Integrator::firstHit(const Bundle& bundle, int which, const Camera& cam
             return out;
         }
         const PreparedInstance& instance = rays_.instance(hit.instance);
-        if (instance.mesh->shell ? seesShell(instance, ray, hit, camera, out)
-                                 : !PlainShader::isHole(instance, ray, hit)) {
+        if (kShellsCompiled && instance.mesh->shell ? seesShell(instance, ray, hit, camera, out)
+                                                    : !PlainShader::isHole(instance, ray, hit)) {
             break;
         }
         ray.tNear = hit.t * (1 + 1e-6f) + scene_.shadowOffset;
@@ -444,7 +450,7 @@ PixelHit Integrator::firstHit(const Bundle& bundle, int which, const Camera& cam
     const PreparedInstance& instance = rays_.instance(hit.instance);
     out.primId = instance.primId;
     out.instanceId = instance.instanceId;
-    if (instance.mesh->shell) {
+    if (kShellsCompiled && instance.mesh->shell) {
         return out;
     }
     const Surfel s = surfelAt(instance, ray, hit);

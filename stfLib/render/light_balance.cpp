@@ -4,6 +4,7 @@
 #include "stfLib/base/hemisphere.h"
 #include "stfLib/base/parallel.h"
 #include "stfLib/render/integrator.h"
+#include "stfLib/render/round_series.h"
 #include "stfLib/render/shell_glow.h"
 
 #include <algorithm>
@@ -165,9 +166,8 @@ LightBalance::Report LightBalance::solve(PreparedScene& scene, bool bounces, std
     report.coreSeconds = since(start);
     start = Clock::now();
     const bool exchange = std::any_of(seen.begin(), seen.end(), [](char c) { return c != 0; });
-    double before = 0;
-    while (exchange && report.rounds < kMostRounds) {
-        ++report.rounds;
+    RoundSeries series(kSettled);
+    while (exchange && series.rounds() < kMostRounds && (series.rounds() == 0 || !series.settled())) {
         Change change;
         std::vector<std::vector<Rgb>> leaving(shells.size());
         for (std::size_t s = 0; s < shells.size(); ++s) {
@@ -177,21 +177,22 @@ LightBalance::Report LightBalance::solve(PreparedScene& scene, bool bounces, std
                 change.add(shells[s]->exitant, leaving[s]);
             }
         }
+        series.add(change.relative());
+        const float leap = float(series.leap());
         for (std::size_t s = 0; s < shells.size(); ++s) {
+            for (std::size_t i = 0; leap > 0 && i < leaving[s].size(); ++i) {
+                const Rgb moved = leaving[s][i] + (leaving[s][i] - shells[s]->exitant[i]) * leap;
+                leaving[s][i] = {std::max(0.0f, moved.x), std::max(0.0f, moved.y), std::max(0.0f, moved.z)};
+            }
             shells[s]->exitant = std::move(leaving[s]);
         }
         for (std::size_t s = 0; s < shells.size(); ++s) {
             gather(s);
             solveCore(s);
         }
-        // Rounds add ever less, by a ratio that tends to a constant: what is left is a geometric series.
-        const double now = change.relative(), ratio = before > 0 ? std::min(0.99, now / before) : 0.5;
-        before = now;
-        report.lastChange = now;
-        if (now * ratio / (1 - ratio) < kSettled) {
-            break;
-        }
     }
+    report.rounds = series.rounds();
+    report.lastChange = series.lastChange();
     if (scene.irradianceCache && scene.surfacesBounce) {
         auto glow = std::make_shared<const ShellGlow>(scene.instances);
         scene.glow = glow->empty() ? nullptr : std::move(glow);

@@ -3,6 +3,7 @@
 
 #include "stfLib/base/hemisphere.h"
 #include "stfLib/render/shell_glow.h"
+#include "stfLib/render/shells_compiled.h"
 
 namespace stf {
 
@@ -177,7 +178,7 @@ PlainShader::Step PlainShader::shade(LightPath& path, const PreparedInstance& in
     if (!onward && !shared) {
         return step;
     }
-    const bool glowing = onward && scene_.glow && path.seen();
+    const bool glowing = kShellsCompiled && onward && scene_.glow && path.seen();
     if (glowing) {
         step.radiance += glow(v, bsdf, sampler) * weight;
     }

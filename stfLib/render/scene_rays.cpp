@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stfLib/render/scene_rays.h"
 
+#include "stfLib/render/shells_compiled.h"
 #include "stfLib/render/surfel.h"
 
 namespace stf {
@@ -16,11 +17,11 @@ Rgb SceneRays::visibility(const Vec3f& origin, const LightSample& light, PixelSa
     if (!light.shadows) {
         return Rgb(1.0f);
     }
-    if (wayOut_) {
+    if (kShellsCompiled && wayOut_) {
         return fromWithin(origin, light, throughShells);
     }
     const Ray ray = shadowRay(origin, light);
-    const bool shells = throughShells && scene_.clearShells;
+    const bool shells = kShellsCompiled && throughShells && scene_.clearShells;
     if (!scene_.clearSurfaces) {
         ++count_;
         if (!scene_.rays->occluded(ray, time_)) {
@@ -67,7 +68,7 @@ Rgb SceneRays::fromWithin(Vec3f origin, LightSample light, PixelSampler* through
 
 Rgb SceneRays::straightOn(Ray& ray, const RayHit& hit, PixelSampler* throughShells) {
     const PreparedInstance& instance = this->instance(hit.instance);
-    if (instance.mesh->shell) {
+    if (kShellsCompiled && instance.mesh->shell) {
         return throughShells && throughShell_ ? throughShell_(instance, ray, hit, *throughShells) : Rgb(0.0f);
     }
     if (!instance.material || instance.material->opaque()) {

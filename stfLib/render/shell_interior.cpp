@@ -191,9 +191,6 @@ void Integrator::leaveShells(LightPath& path, PixelSampler& sampler) {
 }
 
 Integrator::WayOutGuard::WayOutGuard(Integrator& integrator, const LightPath& path, PixelSampler& sampler) {
-    if (path.withinCount == 0) {
-        return;
-    }
     integrator_ = &integrator;
     const std::vector<const PreparedInstance*> around(path.within, path.within + path.withinCount);
     integrator.rays_.setWayOut([&integrator, &sampler, around](Vec3f& origin, LightSample& light) {
@@ -206,9 +203,7 @@ Integrator::WayOutGuard::WayOutGuard(Integrator& integrator, const LightPath& pa
 }
 
 Integrator::WayOutGuard::~WayOutGuard() {
-    if (integrator_) {
-        integrator_->rays_.setWayOut(nullptr);
-    }
+    integrator_->rays_.setWayOut(nullptr);
 }
 
 float Integrator::indexWithin(const PreparedInstance& instance, const Vec3f& point, std::uint32_t triangle) {

@@ -5,6 +5,7 @@
 #include "test_host.h"
 
 #include <gtest/gtest.h>
+#include <map>
 #include <nlohmann/json.hpp>
 
 PXR_NAMESPACE_USING_DIRECTIVE
@@ -27,12 +28,25 @@ TEST(HostInterface, SettingsAreTheDescriptors) {
     for (size_t i = 0; i < list.size(); ++i) {
         EXPECT_EQ(list[i]["key"], descriptors[i].key.GetString());
         EXPECT_EQ(list[i]["name"], descriptors[i].name);
+        EXPECT_FALSE(list[i]["description"].get<std::string>().empty());
         const VtValue& value = descriptors[i].defaultValue;
         EXPECT_EQ(list[i]["default"].is_boolean(), value.IsHolding<bool>()) << list[i];
         EXPECT_EQ(list[i]["default"].is_number_integer(), value.IsHolding<int>()) << list[i];
         EXPECT_EQ(list[i]["default"].is_number_float(), value.IsHolding<float>()) << list[i];
         EXPECT_EQ(list[i]["default"].is_string(), value.IsHolding<std::string>()) << list[i];
     }
+}
+
+TEST(HostInterface, RangesAndChoicesAreNamed) {
+    std::map<std::string, nlohmann::json> settings;
+    for (const nlohmann::json& setting : call(hdStfSettingsJson)) {
+        settings[setting["key"]] = setting;
+    }
+    EXPECT_EQ(settings["stf:samples"]["least"], 1);
+    EXPECT_FALSE(settings["stf:samples"].contains("most"));
+    EXPECT_EQ(settings["stf:pixelFilterWidth"]["most"], 64);
+    EXPECT_EQ(settings["stf:transport"]["choices"], nlohmann::json({"dE1", "classic"}));
+    EXPECT_EQ(settings["stf:transport"]["description"].get<std::string>().find('`'), std::string::npos);
 }
 
 TEST(HostInterface, StatusIsThatOfTheDelegateMadeLast) {

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStf/settings.h"
 
+#include "hdStf/renderStats.h"
+#include "hdStf/settingTable.h"
+#include "hdStf/tokens.h"
+
 #include "test_host.h"
 
 #include "pxr/base/gf/vec4f.h"
@@ -9,6 +13,7 @@
 
 #include <cstdlib>
 #include <limits>
+#include <set>
 
 PXR_NAMESPACE_USING_DIRECTIVE
 
@@ -40,6 +45,46 @@ TEST(Settings, ValuesOutOfRangeAreBroughtInOrRefused) {
     EXPECT_EQ(normalized("stf:integrator", VtValue(TfToken("reference"))), VtValue(std::string("reference")));
     EXPECT_TRUE(normalized("stf:integrator", VtValue(std::string("bdpt"))).IsEmpty());
     EXPECT_TRUE(normalized("noSuchSetting", VtValue(1)).IsEmpty());
+}
+
+TEST(Settings, TokensNameTheRowsOfTheTable) {
+    std::set<std::string> tokens, keys;
+    for (TfToken const& token : HdStfRenderSettingsTokens->allTokens) {
+        tokens.insert(token.GetString());
+    }
+    for (stf::SettingRow const& row : stf::settingTable()) {
+        keys.insert(row.key);
+    }
+    EXPECT_EQ(tokens, keys);
+}
+
+TEST(Settings, DescriptorsAreTheTable) {
+    const HdRenderSettingDescriptorList list = HdStfMakeSettingDescriptors();
+    std::vector<stf::SettingRow> const& table = stf::settingTable();
+    ASSERT_EQ(list.size(), table.size());
+    for (size_t i = 0; i < list.size(); ++i) {
+        EXPECT_EQ(list[i].key, table[i].key);
+        EXPECT_EQ(list[i].name, table[i].name);
+        // Every default is a value of its own setting, and every choice is taken.
+        EXPECT_EQ(normalized(table[i].key.c_str(), list[i].defaultValue), list[i].defaultValue) << table[i].key;
+        for (std::string const& choice : table[i].choices) {
+            EXPECT_EQ(normalized(table[i].key.c_str(), VtValue(choice)), VtValue(choice));
+        }
+    }
+}
+
+TEST(Settings, EdgesOfRanges) {
+    EXPECT_EQ(normalized("stf:pixelFilterWidth", VtValue(64.0f)), VtValue(64.0f));
+    EXPECT_TRUE(normalized("stf:pixelFilterWidth", VtValue(64.5f)).IsEmpty());
+    EXPECT_TRUE(normalized("stf:pixelFilterWidth", VtValue(-1.0f)).IsEmpty());
+    EXPECT_EQ(normalized("stf:errorTarget", VtValue(0.0f)), VtValue(0.0f));
+    EXPECT_TRUE(normalized("stf:errorTarget", VtValue(std::numeric_limits<float>::infinity())).IsEmpty());
+    EXPECT_EQ(normalized("stf:seed", VtValue(-5)), VtValue(-5));
+    EXPECT_EQ(normalized("stf:maxDepth", VtValue(-1)), VtValue(0));
+    const VtValue window(GfVec4f(-0.5f, 0, 1.5f, 1));
+    EXPECT_EQ(normalized("dataWindowNDC", window), window);
+    EXPECT_TRUE(normalized("dataWindowNDC", VtValue(GfVec4f(1, 0, 0, 1))).IsEmpty());
+    EXPECT_TRUE(normalized("dataWindowNDC", VtValue(GfVec4f(0, 0, 16, 1))).IsEmpty());
 }
 
 TEST(Settings, EnvironmentChangesDefaults) {
@@ -119,6 +164,43 @@ TEST(Settings, StatisticsHaveTheTypesHostsRead) {
     EXPECT_EQ(stats.find("percentDone")->second.UncheckedGet<double>(), 100.0);
     EXPECT_TRUE(stats.find("totalClockTime")->second.IsHolding<double>());
     EXPECT_EQ(stats.find("numCompletedSamples")->second, VtValue(2));
+    EXPECT_EQ(stats.find("fractionDone")->second, VtValue(1.0));
+    EXPECT_EQ(stats.find("rendererStage")->second, VtValue(std::string("done")));
+    EXPECT_EQ(stats.find("stf:stageFraction")->second, VtValue(1.0));
+    ASSERT_TRUE(stats.find("totalMemory")->second.IsHolding<size_t>());
+    const size_t now = stats.find("totalMemory")->second.UncheckedGet<size_t>();
+    EXPECT_GT(now, size_t(1) << 20);
+    EXPECT_LE(now, stats.find("peakMemory")->second.UncheckedGet<size_t>() + (size_t(1) << 20));
+    EXPECT_TRUE(stats.find("stf:estimatedError")->second.IsHolding<double>());
+}
+
+TEST(Settings, StatisticsFollowTheJob) {
+    HdStfMessages messages;
+    HdStfRenderJob::Progress progress;
+    progress.stage = "transport";
+    progress.stageFraction = 0.25;
+    progress.samplesWanted = 8;
+    progress.clockSeconds = 1.5;
+    const auto of = [&](char const* key) {
+        const VtDictionary stats = HdStfMakeRenderStats(progress, messages);
+        const auto it = stats.find(key);
+        return it == stats.end() ? VtValue() : it->second;
+    };
+    EXPECT_EQ(of("rendererStage"), VtValue(std::string("transport")));
+    EXPECT_EQ(of("stf:stageFraction"), VtValue(0.25));
+    EXPECT_EQ(of("percentDone"), VtValue(0.0));
+    EXPECT_EQ(of("totalClockTime"), VtValue(1.5));
+    progress.samplesDone = 2;
+    progress.stats.estimatedError = 0.125;
+    EXPECT_EQ(of("rendererStage"), VtValue(std::string("render")));
+    EXPECT_EQ(of("percentDone"), VtValue(25.0));
+    EXPECT_EQ(of("fractionDone"), VtValue(0.25));
+    EXPECT_EQ(of("stf:stageFraction"), VtValue(0.25));
+    EXPECT_EQ(of("numCompletedSamples"), VtValue(2));
+    EXPECT_EQ(of("stf:estimatedError"), VtValue(0.125));
+    progress.finished = true; // by the error wanted, before all samples
+    EXPECT_EQ(of("percentDone"), VtValue(100.0));
+    EXPECT_EQ(of("rendererStage"), VtValue(std::string("done")));
 }
 
 } // namespace

@@ -25,6 +25,7 @@ void addAcquireCommand(CLI::App& app);
 void addPlanCommand(CLI::App& app);
 void addStabilityCommand(CLI::App& app);
 void addReportCommand(CLI::App& app);
+void addSettingsCommand(CLI::App& app);
 
 /// Each adds one command to the group `stf acquire`.
 void addAcquireMeshCommand(CLI::App& group);

@@ -24,6 +24,7 @@ int main(int argc, char** argv) {
     stf::addPlanCommand(app);
     stf::addStabilityCommand(app);
     stf::addReportCommand(app);
+    stf::addSettingsCommand(app);
     try {
         app.parse(argc, argv);
         return stf::kDone;

@@ -11,9 +11,18 @@ namespace {
 
 constexpr int kWidth = 48, kHeight = 32;
 
+struct Statistics {
+    double mean, scatter;
+};
+
 // A picture whose right half scatters ten times as much as its left half; the mean is 1.
-double scatter(int x) {
-    return x < kWidth / 2 ? 0.1 : 1.0;
+Statistics halves(int x) {
+    return {1, x < kWidth / 2 ? 0.1 : 1.0};
+}
+
+// From the middle on it is 100 times as bright; the first bright column scatters, by little of what is around it.
+Statistics brightEdge(int x) {
+    return x < kWidth / 2 ? Statistics{0.5, 0.0} : Statistics{50, x == kWidth / 2 ? 20.0 : 0.0};
 }
 
 struct Painted {
@@ -21,7 +30,7 @@ struct Painted {
     AdaptiveSampling adaptive;
     int passes = 0;
 
-    explicit Painted(double target, int most, std::uint64_t seed = 1) {
+    explicit Painted(double target, int most, std::uint64_t seed = 1, Statistics (*statistics)(int x) = halves) {
         film.resize(kWidth, kHeight);
         adaptive.restart(kWidth, kHeight);
         for (; passes < most && adaptive.activeCount() > 0; ++passes) {
@@ -33,7 +42,8 @@ struct Painted {
                                                  film.sampleCount(x, y));
                         // Uniform, of that standard deviation.
                         PixelSample s;
-                        s.color = Rgb(float(1 + scatter(x) * std::sqrt(12.0) * (double(rng.uniform()) - 0.5)));
+                        const Statistics of = statistics(x);
+                        s.color = Rgb(float(of.mean + of.scatter * std::sqrt(12.0) * (double(rng.uniform()) - 0.5)));
                         film.add(x, y, s);
                     }
                 }
@@ -94,6 +104,14 @@ TEST(AdaptiveSampling, StoppingShiftsTheMeanByLessThanTheSquareOfTheTarget) {
     }
     // Who is bright by chance is let go sooner.
     EXPECT_NEAR(mean, 1, 4 * std::sqrt((squares - mean * mean) / n) + 0.25 * 0.2 * 0.2);
+}
+
+TEST(AdaptiveSampling, DarkPixelsDoNotWaitForBrightNeighboursWithoutEnd) {
+    // Among bright pixels 20 / sqrt(16) / 3 of 50 is good enough; for the dark ones it takes 20 / sqrt(n) / 3 of 17.
+    const Painted p(0.04, 5000, 1, brightEdge);
+    EXPECT_EQ(p.adaptive.activeCount(), 0u);
+    EXPECT_LT(p.passes, 400);
+    EXPECT_GT(p.meanSamples(kWidth / 2, kWidth / 2 + 1), 60);
 }
 
 TEST(AdaptiveSampling, WithoutTargetAllGoOn) {

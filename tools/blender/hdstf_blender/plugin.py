@@ -71,7 +71,7 @@ def _call(function):
 
 
 def settings():
-    """The renderer's settings: a list of {"key", "name", "default"}."""
+    """The renderer's settings: a list of {"key", "name", "default", "description", ..}."""
     return _call(_library.hdStfSettingsJson) or []
 
 

@@ -14,13 +14,16 @@ _groups = []
 def _property(setting):
     """A property of the kind that the default is of."""
     default = setting["default"]
-    common = {"name": setting["name"], "description": setting["key"]}
+    # Blender ends tooltips with a full stop of its own.
+    common = {"name": setting["name"], "description": setting["key"] + ": " + setting.get("description", "")}
+    limits = {ours: type(default)(setting[theirs]) for ours, theirs in (("min", "least"), ("max", "most"))
+              if theirs in setting}
     if isinstance(default, bool):
         return bpy.props.BoolProperty(default=default, **common)
     if isinstance(default, int):
-        return bpy.props.IntProperty(default=default, **common)
+        return bpy.props.IntProperty(default=default, **limits, **common)
     if isinstance(default, float):
-        return bpy.props.FloatProperty(default=default, precision=4, **common)
+        return bpy.props.FloatProperty(default=default, precision=4, **limits, **common)
     return bpy.props.StringProperty(default=default, **common)
 
 
