@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <limits>
 #include <thread>
 
 PXR_NAMESPACE_OPEN_SCOPE
@@ -22,6 +23,13 @@ using _Seconds = std::chrono::duration<double>;
 /// Buffers are not written more often than this, nor for more than a tenth of the time.
 constexpr double _minSecondsBetweenWrites = 0.05;
 constexpr double _writeTimeShare = 0.1;
+
+/// Pixels that are taken first, every so many-th, where there are enough of them: the image shows at once, in blocks.
+constexpr int _strides[] = {8, 4, 2, 1};
+constexpr int _leastPixels = 40000;
+
+/// For as long a draft gets finer, while `prepare` waits.
+constexpr double _draftSeconds = 0.3;
 
 /// Progress whose cancellation is the job's flag, which stfLib may ask for from any of its threads.
 class _JobProgress final : public stf::Progress {
@@ -66,6 +74,19 @@ void _PutClearValue(std::vector<T>& pixels, int channels, std::vector<int32_t> c
                 pixels[i * static_cast<size_t>(channels) + static_cast<size_t>(c)] =
                     static_cast<T>(components[std::min(c, given - 1)]);
             }
+        }
+    }
+}
+
+/// Pixels between those that were taken show the nearest of these to their lower left.
+template<class T>
+void _FillBlocks(std::vector<T>& pixels, int channels, int width, int height, int stride) {
+    const size_t n = static_cast<size_t>(channels), row = static_cast<size_t>(width) * n;
+    for (int y = 0; stride > 1 && y < height; ++y) {
+        for (int x = 0; x < width; ++x) {
+            const T* const from =
+                pixels.data() + static_cast<size_t>(y - y % stride) * row + static_cast<size_t>(x - x % stride) * n;
+            std::copy(from, from + n, pixels.data() + static_cast<size_t>(y) * row + static_cast<size_t>(x) * n);
         }
     }
 }
@@ -236,7 +257,38 @@ void HdStfRenderJob::_Foresee(stf::Progress& progress) {
     _progress.forecast = std::move(forecast);
 }
 
+// While what an edit made out of date is made anew, the host shows what there was before, under its new lights and in
+// its new places, and shells that come for the first time as plain surfaces.
+void HdStfRenderJob::_RenderDraft(stf::Progress& progress) {
+    if (_window.width * _window.height >= _leastPixels && _renderer.prepareDraft(_scene, progress)) {
+        _renderer.restart();
+        _SetStage("draft", 0);
+        _RenderFirstPass(progress, _draftSeconds);
+    }
+}
+
+// The first pass, coarse pixels first; ends early, after those, when `seconds` are over. False where it was cancelled.
+bool HdStfRenderJob::_RenderFirstPass(stf::Progress& progress, double seconds) {
+    const _Clock::time_point start = _Clock::now();
+    for (const int stride : _strides) {
+        if (stride > 1 && _window.width * _window.height < _leastPixels) {
+            continue;
+        }
+        if (!_renderer.renderPass(progress, stride)) {
+            return false;
+        }
+        if (stride > 1) {
+            _WriteAovs(stride);
+        }
+        if (_Seconds(_Clock::now() - start).count() > seconds) {
+            return true;
+        }
+    }
+    return true;
+}
+
 void HdStfRenderJob::_RenderUntilConverged(stf::Progress& progress) {
+    _RenderDraft(progress);
     _renderer.prepare(_scene, progress);
     _renderer.restart();
     _TakeStats(false);
@@ -251,7 +303,8 @@ void HdStfRenderJob::_RenderUntilConverged(stf::Progress& progress) {
     for (bool first = true; !_renderer.converged(); first = false) {
         _WaitWhilePaused();
         _SetStage("render", 0);
-        if (!_renderer.renderPass(progress)) {
+        if (!(first ? _RenderFirstPass(progress, std::numeric_limits<double>::infinity())
+                    : _renderer.renderPass(progress))) {
             return;
         }
         if (_renderer.converged() && _WantsDenoised()) {
@@ -284,18 +337,19 @@ void HdStfRenderJob::_WaitWhilePaused() const {
     }
 }
 
-void HdStfRenderJob::_WriteAovs() {
+void HdStfRenderJob::_WriteAovs(int stride) {
     std::vector<int32_t> primIds;
     for (HdRenderPassAovBinding const& binding : _bindings) {
         stf::Aov aov;
         if (primIds.empty() && stf::aovFromName(binding.aovName.GetString(), aov) && _IsOfHit(aov)) {
             primIds = _renderer.film().readIds(stf::Aov::PrimId);
+            _FillBlocks(primIds, 1, _window.width, _window.height, stride);
         }
-        _WriteAov(binding, primIds);
+        _WriteAov(binding, primIds, stride);
     }
 }
 
-void HdStfRenderJob::_WriteAov(HdRenderPassAovBinding const& binding, std::vector<int32_t> const& primIds) {
+void HdStfRenderJob::_WriteAov(HdRenderPassAovBinding const& binding, std::vector<int32_t> const& primIds, int stride) {
     stf::Aov aov;
     if (!stf::aovFromName(binding.aovName.GetString(), aov)) {
         return;
@@ -307,12 +361,14 @@ void HdStfRenderJob::_WriteAov(HdRenderPassAovBinding const& binding, std::vecto
     const int channels = stf::aovChannels(aov);
     if (stf::aovIsInteger(aov)) {
         std::vector<int32_t> pixels = _renderer.film().readIds(aov);
+        _FillBlocks(pixels, channels, _window.width, _window.height, stride);
         if (_IsOfHit(aov)) {
             _PutClearValue(pixels, channels, primIds, binding.clearValue);
         }
         buffer->Write(pixels, channels, _window, binding.clearValue);
     } else {
         std::vector<float> pixels = _renderer.film().read(aov);
+        _FillBlocks(pixels, channels, _window.width, _window.height, stride);
         if (_IsOfHit(aov)) {
             _PutClearValue(pixels, channels, primIds, binding.clearValue);
         }

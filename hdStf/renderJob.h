@@ -83,9 +83,11 @@ private:
     // On the render thread.
     void _Render();
     void _RenderUntilConverged(stf::Progress& progress);
+    void _RenderDraft(stf::Progress& progress);
+    bool _RenderFirstPass(stf::Progress& progress, double seconds);
     void _Foresee(stf::Progress& progress);
-    void _WriteAovs();
-    void _WriteAov(HdRenderPassAovBinding const& binding, std::vector<int32_t> const& primIds);
+    void _WriteAovs(int stride = 1);
+    void _WriteAov(HdRenderPassAovBinding const& binding, std::vector<int32_t> const& primIds, int stride);
     bool _WantsDenoised() const;
     void _WaitWhilePaused() const;
     void _TakeStats(bool withError);

@@ -93,6 +93,9 @@ struct Renderer::Impl {
         return k.parts.empty() ? nullptr : k.parts.front().mesh->shell.get();
     }
     void prepareMesh(const std::string& id, const SceneMesh& m, double metersPerUnit, Kept& kept, Progress& progress);
+    bool upToDate(const Scene& source) const;
+    /// Everything but the light between surfaces. `draft`: shells as they are, those that are not there yet as plain.
+    void place(const Scene& source, bool draft, Progress& progress);
     void placeInstances(const Scene& source);
     std::size_t placeLights();
     void planSurfaces();
@@ -107,8 +110,10 @@ struct Renderer::Impl {
     bool traces() const { return settings.integrator != kTables; }
     LightSet lightsOf(const Scene& source);
     void balanceLight(Progress& progress);
+    void keepLight();
+    void takeKeptLight();
     void sampleBlock(Integrator& integrator, PathTracer* traced, int x0, int y0, std::uint32_t pass,
-                     const RayCone& cone, bool motion);
+                     const RayCone& cone, bool motion, int stride);
     bool tileGoesOn(int x0, int y0, std::uint32_t pass) const;
     void restartSampling() {
         adaptive.restart(film.width(), film.height());
@@ -132,6 +137,18 @@ struct Renderer::Impl {
     TextureStore textures;
     std::map<std::string, std::shared_ptr<const PlainMaterial>> materials; // of what is drawn
     std::unique_ptr<PreparedScene> scene;
+    /// Light between surfaces as it was solved last, while the scene has none: what a draft shows.
+    struct KeptLight {
+        struct OfInstance {
+            std::weak_ptr<const PreparedMesh> mesh; // which may go meanwhile
+            std::vector<Rgb> core, exitant;
+            IndirectLight indirect;
+        };
+        std::vector<OfInstance> instances;
+        bool shellsSeeOthers = false, keepsDomes = false;
+    };
+    std::optional<KeptLight> keptLight;
+    bool lightSolved = false;      ///< the instances have it
     std::set<std::string> objects; ///< names of what is drawn
     Rgb clearColor{0.0f};
     float clearAlpha = 0;
@@ -484,60 +501,121 @@ std::vector<std::string> Renderer::objectNames() const {
     return {impl_->objects.begin(), impl_->objects.end()};
 }
 
-void Renderer::prepare(const Scene& source, Progress& progress) {
-    Impl& s = *impl_;
-    setThreadCount(s.settings.threads);
-    s.prepareStart = Clock::now();
-    // Light between surfaces, shells and cores depends on the number of bounces.
-    if (s.scene && s.settings.maxDepth == s.preparedSettings.maxDepth &&
-        s.settings.irradianceCache == s.preparedSettings.irradianceCache && source.version() == s.preparedVersion &&
-        s.settings.quality == s.preparedSettings.quality && s.settings.transport == s.preparedSettings.transport &&
-        s.settings.integrator == s.preparedSettings.integrator && s.settings.seed == s.preparedSettings.seed &&
-        s.settings.tableSeed == s.preparedSettings.tableSeed &&
-        (!s.hasMotion || s.camera.optics().shutter == s.preparedShutter)) {
-        s.planCamera(source);
-        return;
-    }
-    if (!s.scene) {
-        s.scene = std::make_unique<PreparedScene>();
-    }
-    s.preparedVersion = 0;
-    s.scenePlan.clear();
-    // They would keep what is about to be replaced in memory beside its replacement.
-    s.scene->instances.clear();
-    s.scene->rays.reset();
+// Light between surfaces, shells and cores depends on the number of bounces.
+bool Renderer::Impl::upToDate(const Scene& source) const {
+    return scene && settings.maxDepth == preparedSettings.maxDepth &&
+           settings.irradianceCache == preparedSettings.irradianceCache && source.version() == preparedVersion &&
+           settings.quality == preparedSettings.quality && settings.transport == preparedSettings.transport &&
+           settings.integrator == preparedSettings.integrator && settings.seed == preparedSettings.seed &&
+           settings.tableSeed == preparedSettings.tableSeed &&
+           (!hasMotion || camera.optics().shutter == preparedShutter);
+}
 
-    for (auto it = s.kept.begin(); it != s.kept.end();) {
-        it = source.meshes().count(it->first) ? std::next(it) : s.kept.erase(it);
+void Renderer::Impl::place(const Scene& source, bool draft, Progress& progress) {
+    if (!scene) {
+        scene = std::make_unique<PreparedScene>();
+    }
+    preparedVersion = 0;
+    scenePlan.clear();
+    keepLight();
+    // They would keep what is about to be replaced in memory beside its replacement.
+    scene->instances.clear();
+    scene->rays.reset();
+    scene->glow = nullptr;
+
+    for (auto it = kept.begin(); it != kept.end();) {
+        it = source.meshes().count(it->first) ? std::next(it) : kept.erase(it);
     }
     for (const auto& [id, m] : source.meshes()) {
-        Impl::Kept& k = s.kept[id];
+        Kept& k = kept[id];
         const bool needed = m.visible && m.mesh && !m.instances.empty();
         const bool current = k.meshVersion == m.meshVersion && k.stfVersion == m.stfVersion &&
-                             k.metersPerUnit == source.metersPerUnit() && k.quality == s.settings.quality &&
-                             k.tableSeed == s.settings.tableSeed && k.transport == s.settings.transport &&
-                             k.integrator == s.settings.integrator;
+                             k.metersPerUnit == source.metersPerUnit() && k.quality == settings.quality &&
+                             k.tableSeed == settings.tableSeed && k.transport == settings.transport &&
+                             k.integrator == settings.integrator;
         if (needed && !current) {
-            s.prepareMesh(id, m, source.metersPerUnit(), k, progress);
+            if (!draft || !m.stf) {
+                prepareMesh(id, m, source.metersPerUnit(), k, progress);
+            } else if (k.parts.empty()) {
+                SceneMesh plain = m;
+                plain.stf.reset();
+                prepareMesh(id, plain, source.metersPerUnit(), k, progress);
+                k.meshVersion = 0; // its shell is still to come
+            }
         } else if (!needed) {
             k.plan = {{id, "mesh", false, m.visible ? "nothing to draw" : "invisible", 0}};
             k.meshVersion = 0;
         }
     }
-    if (s.lightVersion != source.lightVersion() || s.traces() || s.tracer) {
-        s.scene->lights = s.lightsOf(source);
-        s.lightVersion = source.lightVersion();
+    if (lightVersion != source.lightVersion() || traces() || tracer) {
+        scene->lights = lightsOf(source);
+        lightVersion = source.lightVersion();
     }
-    s.tracer = {};
-    s.placeInstances(source);
-    s.planSurfaces();
-    s.planCamera(source);
-    const std::size_t emitters = s.placeLights();
-    s.scenePlan.push_back({"scene", "lights", s.scene->lights.count() > 0,
-                           std::to_string(s.scene->lights.count() - emitters) + " of " +
-                               std::to_string(source.lights().size()) +
-                               " give light, meshes that do: " + std::to_string(emitters),
-                           0});
+    tracer = {};
+    placeInstances(source);
+    planSurfaces();
+    planCamera(source);
+    const std::size_t emitters = placeLights();
+    scenePlan.push_back({"scene", "lights", scene->lights.count() > 0,
+                         std::to_string(scene->lights.count() - emitters) + " of " +
+                             std::to_string(source.lights().size()) +
+                             " give light, meshes that do: " + std::to_string(emitters),
+                         0});
+}
+
+// What solving anew is about to replace; what was kept before stays where that was cancelled.
+void Renderer::Impl::keepLight() {
+    if (!lightSolved) {
+        return;
+    }
+    lightSolved = false;
+    keptLight.emplace();
+    keptLight->shellsSeeOthers = scene->shellsSeeOthers;
+    keptLight->keepsDomes = scene->keepsDomes;
+    for (PreparedInstance& i : scene->instances) {
+        keptLight->instances.push_back({i.mesh, std::move(i.core), std::move(i.exitant), std::move(i.indirect)});
+    }
+}
+
+void Renderer::Impl::takeKeptLight() {
+    scene->shellsSeeOthers = keptLight && keptLight->shellsSeeOthers;
+    scene->keepsDomes = keptLight && keptLight->keepsDomes;
+    for (std::size_t i = 0; keptLight && i < std::min(scene->instances.size(), keptLight->instances.size()); ++i) {
+        PreparedInstance& to = scene->instances[i];
+        const KeptLight::OfInstance& from = keptLight->instances[i];
+        if (to.mesh == from.mesh.lock()) {
+            to.core = from.core;
+            to.exitant = from.exitant;
+            to.indirect = from.indirect;
+        }
+    }
+}
+
+bool Renderer::prepareDraft(const Scene& source, Progress& progress) {
+    Impl& s = *impl_;
+    const bool shells = std::any_of(source.meshes().begin(), source.meshes().end(),
+                                    [](const auto& m) { return m.second.stf && m.second.visible; });
+    if (!shells || s.traces() || s.upToDate(source)) {
+        return false;
+    }
+    setThreadCount(s.settings.threads);
+    s.prepareStart = Clock::now();
+    s.place(source, true, progress);
+    s.scene->maxDepth = s.settings.maxDepth;
+    s.scene->irradianceCache = s.settings.irradianceCache;
+    s.takeKeptLight();
+    return true;
+}
+
+void Renderer::prepare(const Scene& source, Progress& progress) {
+    Impl& s = *impl_;
+    setThreadCount(s.settings.threads);
+    s.prepareStart = Clock::now();
+    if (s.upToDate(source)) {
+        s.planCamera(source);
+        return;
+    }
+    s.place(source, false, progress);
     s.builder.dropUnused();
     const auto emits = [](const PreparedInstance& i) { return i.mesh->shell && i.mesh->shell->medium->emits(); };
     const std::vector<PreparedInstance>& instances = s.scene->instances;
@@ -549,6 +627,8 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
     // Cores, and light between shells and other surfaces, depend on lights and on whatever throws shadows: any edit of
     // those solves them again, the camera does not.
     s.balanceLight(progress);
+    s.lightSolved = !s.traces();
+    s.keptLight.reset();
     // What is held now, not what was ever made: edits replace tables and grids.
     s.stats.tableBytes = s.stats.shellBytes = 0;
     std::set<const StfTable*> tables;
@@ -573,7 +653,6 @@ void Renderer::prepare(const Scene& source, Progress& progress) {
 void Renderer::Impl::balanceLight(Progress& progress) {
     scene->maxDepth = settings.maxDepth;
     scene->irradianceCache = settings.irradianceCache;
-    scene->glow = nullptr; // of instances that are gone; path tracing finds shells by itself
     if (traces()) {
         scenePlan.push_back({"scene", "core", false, "path traced", 0});
         scenePlan.push_back({"scene", "indirect", false, "path traced", 0});
@@ -637,7 +716,7 @@ bool Renderer::Impl::tileGoesOn(int x0, int y0, std::uint32_t pass) const {
 
 // A pass over neighbouring pixels, whose camera rays are traced together.
 void Renderer::Impl::sampleBlock(Integrator& integrator, PathTracer* traced, int x0, int y0, std::uint32_t pass,
-                                 const RayCone& cone, bool motion) {
+                                 const RayCone& cone, bool motion, int stride) {
     const int width = film.width(), height = film.height();
     const bool lens = camera.optics().lens.blurs();
     const auto ndc = [&](double x, double y) {
@@ -651,8 +730,8 @@ void Renderer::Impl::sampleBlock(Integrator& integrator, PathTracer* traced, int
     for (int y = y0; y < std::min(y0 + kBlock, height); ++y) {
         for (int x = x0; x < std::min(x0 + kBlock, width); ++x) {
             std::uint32_t& done = passDone[std::size_t(y) * std::size_t(width) + std::size_t(x)];
-            if (done > pass || !adaptive.active(x, y)) {
-                continue; // done before this pass was interrupted, or good enough
+            if (done > pass || !adaptive.active(x, y) || x % stride != 0 || y % stride != 0) {
+                continue; // done before this pass was interrupted, or good enough, or between those that come first
             }
             if (pass == 0) {
                 const Vec2d at = ndc(x + 0.5, y + 0.5);
@@ -702,7 +781,7 @@ void Renderer::restart() {
     impl_->stats.firstPixelSeconds = 0;
 }
 
-bool Renderer::renderPass(Progress& progress) {
+bool Renderer::renderPass(Progress& progress, int stride) {
     Impl& s = *impl_;
     if (!s.scene || !s.scene->rays || converged()) {
         return true;
@@ -740,7 +819,7 @@ bool Renderer::renderPass(Progress& progress) {
                               2.0 / s.window.frameHeight, s.settings.samples);
             for (int y = y0; y < y0 + kTile; y += kBlock) {
                 for (int x = x0; x < x0 + kTile; x += kBlock) {
-                    s.sampleBlock(integrator, traced.get(), x, y, pass, cone, motion);
+                    s.sampleBlock(integrator, traced.get(), x, y, pass, cone, motion, stride);
                 }
             }
             rays += integrator.rays() + (traced ? traced->rays() : 0);
@@ -751,9 +830,10 @@ bool Renderer::renderPass(Progress& progress) {
     if (progress.cancelled()) {
         return false;
     }
-    if (s.passes++ == 0) {
+    if (!(s.stats.firstPixelSeconds > 0)) {
         s.stats.firstPixelSeconds = since(s.prepareStart);
     }
+    s.passes += stride == 1 ? 1 : 0;
     return true;
 }
 

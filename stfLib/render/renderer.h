@@ -102,10 +102,17 @@ public:
     /// Brings everything derived up to date with the scene: only what an edit touched. A mesh whose preparation fails
     /// is reported once with its id and left out or drawn with its displayColor. Throws Cancelled.
     void prepare(const Scene& scene, Progress& progress);
+    /// Brings the scene into a state in which it can be shown while `prepare`, which has to follow, would take long:
+    /// with shells, cores and light between surfaces as they were before the edit, and new shells as plain surfaces of
+    /// their displayColor. False where nothing has shells, nothing changed, or the integrator is not stf: it did
+    /// nothing then. Its image is not that of `prepare`. Throws Cancelled.
+    bool prepareDraft(const Scene& scene, Progress& progress);
     /// Restarts the image (film cleared, sample 0).
     void restart();
     /// Adds one sample to every pixel. Returns false, with the pass undone for no pixel, when cancelled: call restart.
-    bool renderPass(Progress& progress);
+    /// `stride` above 1: only to every so many-th pixel of every so many-th row, from 0 on; the pass is not over then,
+    /// and goes on with the next call, for pixels that have not had their sample of it.
+    bool renderPass(Progress& progress, int stride = 1);
     bool converged() const;
     /// Takes the noise out of the colour as it is now, for `Aov::Denoised`; the next pass drops that. Where lens and
     /// motion leave the first hits sharp in the pixels, their albedo and normal help. Where Open Image Denoise is

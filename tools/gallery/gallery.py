@@ -24,9 +24,9 @@ def say(text):
     print(f"[gallery] {text}", flush=True)
 
 
-def render(stfrecord, usd, image, width, paths, quality):
+def render(stfrecord, usd, image, width, paths, error, quality):
     call = [stfrecord, usd, usd.with_suffix(".exr"), "--png", image, "--imageWidth", str(width), "--quiet",
-            "--samples", str(paths), "--set", f"stf:quality={quality}", "--stats", usd.with_suffix(".stats.json")]
+            "--samples", str(paths), "--set", f"stf:errorTarget={error}", "--set", f"stf:quality={quality}", "--stats", usd.with_suffix(".stats.json")]
     done = subprocess.run(call, capture_output=True, text=True)
     if done.returncode > 1:
         raise SystemExit(f"[gallery] {usd.stem}: {done.stderr.strip()}")
@@ -53,7 +53,9 @@ def main():
     parser.add_argument("--samples", nargs="+", choices=sorted(plan["samples"]), metavar="NAME",
                         default=list(plan["samples"]), help="default: all: %(default)s")
     parser.add_argument("--width", type=int, default=400, help="of a picture (%(default)s)")
-    parser.add_argument("--paths", type=int, default=40, help="per pixel (%(default)s)")
+    parser.add_argument("--paths", type=int, default=400, help="per pixel, at most (%(default)s)")
+    parser.add_argument("--error", type=float, default=0.04,
+                        help="relative error at which a pixel gets no more (%(default)s)")
     parser.add_argument("--grey", action="store_true", help="objects without a sample, for a look at them")
     parser.add_argument("--build", type=pathlib.Path, default=TOP / "build", help="folder of the build (%(default)s)")
     parser.add_argument("--out", type=pathlib.Path, default=TOP / "docs" / "gallery", help="pictures (%(default)s)")
@@ -79,7 +81,7 @@ def main():
             scene.write(usd, mesh, None if arguments.grey else f"./{sample}.vdb",
                         "./studio_soft.exr" if options.get("soft") else "./studio.exr", options["light"])
             image = arguments.out / f"{object_name}_{sample}.png"
-            render(stfrecord, usd, image, arguments.width, arguments.paths, options["quality"])
+            render(stfrecord, usd, image, arguments.width, arguments.paths, arguments.error, options["quality"])
             images.append(image)
             say(f"{image}: {time.monotonic() - start:.0f} s")
     if len(images) > 1:
