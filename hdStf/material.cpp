@@ -47,4 +47,15 @@ void HdStfMaterial::Finalize(HdRenderParam* renderParam) {
     }
 }
 
+HdStfMaterial const* HdStfFindMaterial(HdSceneDelegate* sceneDelegate, SdfPath const& id) {
+    return id.IsEmpty() ? nullptr
+                        : static_cast<HdStfMaterial const*>(
+                              sceneDelegate->GetRenderIndex().GetSprim(HdPrimTypeTokens->material, id));
+}
+
+std::optional<stf::StfBinding> HdStfFindShell(HdSceneDelegate* sceneDelegate, SdfPath const& id) {
+    HdStfMaterial const* material = HdStfFindMaterial(sceneDelegate, id);
+    return material ? material->GetShell() : std::nullopt;
+}
+
 PXR_NAMESPACE_CLOSE_SCOPE

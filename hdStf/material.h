@@ -42,4 +42,9 @@ private:
     bool _inScene = false;
 };
 
+/// The material of that path; null where there is none.
+HdStfMaterial const* HdStfFindMaterial(HdSceneDelegate* sceneDelegate, SdfPath const& id);
+/// The shell that it gives to meshes, if any.
+std::optional<stf::StfBinding> HdStfFindShell(HdSceneDelegate* sceneDelegate, SdfPath const& id);
+
 PXR_NAMESPACE_CLOSE_SCOPE

@@ -2,117 +2,29 @@
 #include "hdStf/mesh.h"
 
 #include "hdStf/bindingReader.h"
-#include "hdStf/conversions.h"
-#include "hdStf/instancer.h"
 #include "hdStf/material.h"
 #include "hdStf/renderParam.h"
 #include "hdStf/tokens.h"
 
 #include "pxr/base/tf/stringUtils.h"
-#include "pxr/imaging/hd/changeTracker.h"
 #include "pxr/imaging/hd/renderIndex.h"
 #include "pxr/imaging/hd/sceneDelegate.h"
 
-#include <algorithm>
-#include <map>
-
 PXR_NAMESPACE_OPEN_SCOPE
 
-namespace {
-
-/// Of more instances paths are not asked for: UsdImaging looks for each among all of them.
-constexpr size_t _mostNamedInstances = 512;
-
-std::vector<std::string> _ToStrings(VtArray<TfToken> const& tokens) {
-    std::vector<std::string> strings;
-    for (TfToken const& token : tokens) {
-        strings.push_back(token.GetString());
-    }
-    std::sort(strings.begin(), strings.end());
-    return strings;
-}
-
-HdStfMaterial const* _FindMaterial(HdSceneDelegate* sceneDelegate, SdfPath const& id) {
-    return id.IsEmpty() ? nullptr
-                        : static_cast<HdStfMaterial const*>(
-                              sceneDelegate->GetRenderIndex().GetSprim(HdPrimTypeTokens->material, id));
-}
-
-std::optional<stf::StfBinding> _FindShell(HdSceneDelegate* sceneDelegate, SdfPath const& id) {
-    HdStfMaterial const* material = _FindMaterial(sceneDelegate, id);
-    return material ? material->GetShell() : std::nullopt;
-}
-
-/// Names instances by their paths in the scene; those of one path, and where there are too many, by their number.
-void _NameInstances(HdSceneDelegate* sceneDelegate, SdfPath const& id, std::vector<stf::MeshInstance>& instances) {
-    std::map<std::string, int> uses;
-    for (stf::MeshInstance& instance : instances) {
-        instance.name = instances.size() > _mostNamedInstances
-                            ? id.GetString()
-                            : sceneDelegate->GetScenePrimPath(id, instance.instanceId).GetString();
-        ++uses[instance.name];
-    }
-    for (stf::MeshInstance& instance : instances) {
-        if (uses[instance.name] > 1) {
-            instance.name += "[" + std::to_string(instance.instanceId) + "]";
-        }
-    }
-}
-
-} // namespace
-
-HdDirtyBits HdStfMesh::GetInitialDirtyBitsMask() const {
-    return HdChangeTracker::InitRepr | HdChangeTracker::DirtyPoints | HdChangeTracker::DirtyTopology |
-           HdChangeTracker::DirtySubdivTags | HdChangeTracker::DirtyDisplayStyle | HdChangeTracker::DirtyNormals |
-           HdChangeTracker::DirtyPrimvar | HdChangeTracker::DirtyTransform | HdChangeTracker::DirtyVisibility |
-           HdChangeTracker::DirtyInstancer | HdChangeTracker::DirtyInstanceIndex | HdChangeTracker::DirtyPrimID |
-           HdChangeTracker::DirtyMaterialId | HdChangeTracker::DirtyCategories;
-}
-
-void HdStfMesh::_InitRepr(TfToken const& reprToken, HdDirtyBits* /*dirtyBits*/) {
-    // A repr has to be there for Hydra; nothing is drawn through it.
-    if (std::find_if(_reprs.begin(), _reprs.end(), _ReprComparator(reprToken)) == _reprs.end()) {
-        _reprs.emplace_back(reprToken, HdReprSharedPtr());
-    }
-}
-
-void HdStfMesh::Sync(HdSceneDelegate* sceneDelegate, HdRenderParam* renderParam, HdDirtyBits* dirtyBits,
-                     TfToken const& /*reprToken*/) {
-    auto& param = *static_cast<HdStfRenderParam*>(renderParam);
-    SdfPath const& id = GetId();
-    const HdDirtyBits bits = *dirtyBits;
-    _Changes changes;
-
-#if HDSTF_HAS_INSTANCER_SYNC
-    _UpdateInstancer(sceneDelegate, dirtyBits);
-    HdInstancer::_SyncInstancerAndParents(sceneDelegate->GetRenderIndex(), GetInstancerId());
-#endif
-    changes.mesh = _data.PullTopology(*this, sceneDelegate, bits);
-    const TfToken uvPrimvar = _PullMaterial(sceneDelegate, bits, param.GetMessages(), changes);
-    changes.mesh |= _data.Pull(*this, sceneDelegate, bits, uvPrimvar, param.GetMessages());
-    if (bits & HdChangeTracker::DirtyPrimvar) {
+void HdStfMesh::_PullShape(HdSceneDelegate* sceneDelegate, HdStfRenderParam& param, HdDirtyBits dirtyBits,
+                           _Changes& changes) {
+    changes.mesh = _data.PullTopology(*this, sceneDelegate, dirtyBits);
+    const TfToken uvPrimvar = _PullParts(sceneDelegate, dirtyBits, param.GetMessages(), changes);
+    changes.mesh |= _data.Pull(*this, sceneDelegate, dirtyBits, uvPrimvar, param.GetMessages());
+    if (dirtyBits & HdChangeTracker::DirtyPrimvar) {
         _PullBinding(sceneDelegate, param, changes);
     }
     if (_binding && !_data.GetPartMaterials().empty()) {
         param.GetMessages().Report(stf::Severity::Warning,
-                                   id.GetString() + ": a mesh with a shell is one whole; the materials of its " +
+                                   GetId().GetString() + ": a mesh with a shell is one whole; the materials of its " +
                                        "subsets of faces are left out");
     }
-    _PullInstances(sceneDelegate, param.GetShutter(), bits, changes);
-    if (bits & HdChangeTracker::DirtyCategories) {
-        std::vector<std::string> links = _ToStrings(sceneDelegate->GetCategories(id));
-        changes.links = links != _links;
-        _links = std::move(links);
-    }
-    if (HdChangeTracker::IsVisibilityDirty(bits, id)) {
-        _UpdateVisibility(sceneDelegate, dirtyBits);
-        changes.visible = _visible != IsVisible();
-        _visible = IsVisible();
-    }
-    changes.primId = GetPrimId() != _sentPrimId;
-
-    _Send(param, changes);
-    *dirtyBits &= ~HdChangeTracker::AllSceneDirtyBits;
 }
 
 void HdStfMesh::_PullBinding(HdSceneDelegate* sceneDelegate, HdStfRenderParam& param, _Changes& changes) {
@@ -125,10 +37,11 @@ void HdStfMesh::_PullBinding(HdSceneDelegate* sceneDelegate, HdStfRenderParam& p
             primvars.emplace_back(primvar.name, GetPrimvar(sceneDelegate, primvar.name));
         }
     }
-    std::optional<stf::StfBinding> binding = HdStfReadBinding(
-        GetId(), primvars, param.GetMessages(), HdStfBindingSource::Primvars, _FindShell(sceneDelegate, _material));
+    std::optional<stf::StfBinding> binding =
+        HdStfReadBinding(GetId(), primvars, param.GetMessages(), HdStfBindingSource::Primvars,
+                         HdStfFindShell(sceneDelegate, _GetMaterial()));
     for (SdfPath const& material : _data.GetPartMaterials()) {
-        if (_FindShell(sceneDelegate, material)) {
+        if (HdStfFindShell(sceneDelegate, material)) {
             param.GetMessages().Report(stf::Severity::Warning, GetId().GetString() + ": " + material.GetString() +
                                                                    " of a subset is a shell, which only whole meshes " +
                                                                    "have; its faces show their displayColor");
@@ -139,23 +52,18 @@ void HdStfMesh::_PullBinding(HdSceneDelegate* sceneDelegate, HdStfRenderParam& p
 }
 
 /// The primvar that the bound materials' textures are read by.
-TfToken HdStfMesh::_PullMaterial(HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits, HdStfMessages& messages,
-                                 _Changes& changes) {
-    if (dirtyBits & HdChangeTracker::DirtyMaterialId) {
-        const SdfPath material = sceneDelegate->GetMaterialId(GetId());
-        changes.material = material != _material;
-        _material = material;
-    }
+TfToken HdStfMesh::_PullParts(HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits, HdStfMessages& messages,
+                              _Changes& changes) {
     if (dirtyBits & (HdChangeTracker::DirtyMaterialId | HdChangeTracker::DirtyTopology)) {
         const SdfPathVector before = _data.GetPartMaterials();
-        changes.mesh |= _data.AssignParts(GetId(), _material, messages);
+        changes.mesh |= _data.AssignParts(GetId(), _GetMaterial(), messages);
         changes.material |= before != _data.GetPartMaterials();
     }
     const auto uvPrimvarOf = [&](SdfPath const& id) {
-        HdStfMaterial const* material = _FindMaterial(sceneDelegate, id);
+        HdStfMaterial const* material = HdStfFindMaterial(sceneDelegate, id);
         return material ? material->GetUvPrimvar() : TfToken();
     };
-    TfToken uvPrimvar = uvPrimvarOf(_material);
+    TfToken uvPrimvar = uvPrimvarOf(_GetMaterial());
     for (SdfPath const& id : _data.GetPartMaterials()) {
         const TfToken other = uvPrimvarOf(id);
         if (uvPrimvar.IsEmpty()) {
@@ -169,118 +77,21 @@ TfToken HdStfMesh::_PullMaterial(HdSceneDelegate* sceneDelegate, HdDirtyBits dir
     return uvPrimvar;
 }
 
-void HdStfMesh::_PullInstances(HdSceneDelegate* sceneDelegate, stf::Shutter const& shutter, HdDirtyBits dirtyBits,
-                               _Changes& changes) {
-    SdfPath const& id = GetId();
-    const bool transformDirty = HdChangeTracker::IsTransformDirty(dirtyBits, id);
-    if (!transformDirty && !HdChangeTracker::IsInstancerDirty(dirtyBits, id) &&
-        !HdChangeTracker::IsInstanceIndexDirty(dirtyBits, id) && !(dirtyBits & HdChangeTracker::DirtyCategories)) {
-        return;
-    }
-    if (transformDirty) {
-        _transform = sceneDelegate->GetTransform(id);
-    }
-    std::vector<stf::MeshInstance> instances;
-    HdInstancer* instancer =
-        GetInstancerId().IsEmpty() ? nullptr : sceneDelegate->GetRenderIndex().GetInstancer(GetInstancerId());
-    if (GetInstancerId().IsEmpty()) {
-        stf::MeshInstance instance = {HdStfToTransform(_transform), 0, {}, {}, {}};
-        if (shutter.blurs()) {
-            for (auto const& [time, matrix] : HdStfSampleTransform(sceneDelegate, id, shutter)) {
-                instance.motion.push_back({time, HdStfToTransform(matrix)});
-            }
-        }
-        instances.push_back(std::move(instance));
-    } else if (TF_VERIFY(instancer)) {
-        const VtMatrix4dArray transforms = static_cast<HdStfInstancer*>(instancer)->ComputeInstanceTransforms(id);
-        std::vector<HdStfMatrixSamples> motion;
-        if (shutter.blurs()) {
-            motion = static_cast<HdStfInstancer*>(instancer)->ComputeInstanceMotion(id, shutter);
-        }
-        motion.resize(transforms.size());
-        instances.reserve(transforms.size());
-        for (GfMatrix4d const& transform : transforms) {
-            const size_t index = instances.size();
-            instances.push_back({HdStfToTransform(_transform * transform), static_cast<int32_t>(index), {}, {}, {}});
-            for (auto const& [time, matrix] : motion[index]) {
-                instances.back().motion.push_back({time, HdStfToTransform(_transform * matrix)});
-            }
-        }
-        _NameInstances(sceneDelegate, id, instances);
-        const std::vector<VtArray<TfToken>> links =
-            static_cast<HdStfInstancer*>(instancer)->ComputeInstanceCategories(id);
-        for (size_t i = 0; i < links.size() && i < instances.size(); ++i) {
-            instances[i].links = _ToStrings(links[i]);
-        }
-    }
-    changes.instances = instances != _instances;
-    _instances = std::move(instances);
-}
-
-void HdStfMesh::_Send(HdStfRenderParam& param, _Changes changes) {
+void HdStfMesh::_SendShape(stf::Scene& scene, _Changes const& changes, HdStfMessages& /*messages*/) {
     const std::string id = GetId().GetString();
-    if (_data.IsEmpty()) {
-        if (_inScene) {
-            param.AcquireSceneForEdit().removeMesh(id);
-            _inScene = false;
-        }
-        return;
-    }
-    if (!_inScene) {
-        changes = {true, true, true, true, true, true, true};
-    }
-    if (!changes.Any()) {
-        return;
-    }
-    stf::Scene& scene = param.AcquireSceneForEdit();
-    _inScene = true;
     if (changes.mesh) {
         scene.setMesh(id, _data.MakeControlMesh(), _data.GetRefineLevel());
     }
     if (changes.binding) {
         scene.setStf(id, _binding);
     }
-    if (changes.instances) {
-        scene.setInstances(id, _instances);
-    }
-    if (changes.visible) {
-        scene.setVisible(id, _visible && _drawn);
-    }
     if (changes.material) {
-        scene.setMeshMaterial(id, _material.GetString());
         std::vector<std::string> parts;
         for (SdfPath const& material : _data.GetPartMaterials()) {
             parts.push_back(material.GetString());
         }
         scene.setPartMaterials(id, std::move(parts));
     }
-    if (changes.links) {
-        scene.setLinks(id, _links);
-    }
-    if (changes.primId) {
-        _sentPrimId = GetPrimId();
-        scene.setPrimId(id, _sentPrimId);
-    }
-}
-
-bool HdStfMesh::SetDrawn(bool drawn, HdStfRenderParam& param) {
-    if (drawn == _drawn) {
-        return false;
-    }
-    _drawn = drawn;
-    if (!_inScene) {
-        return false;
-    }
-    param.AcquireSceneForEdit().setVisible(GetId().GetString(), _visible && _drawn);
-    return true;
-}
-
-void HdStfMesh::Finalize(HdRenderParam* renderParam) {
-    if (_inScene) {
-        static_cast<HdStfRenderParam*>(renderParam)->AcquireSceneForEdit().removeMesh(GetId().GetString());
-        _inScene = false;
-    }
-    HdMesh::Finalize(renderParam);
 }
 
 PXR_NAMESPACE_CLOSE_SCOPE

@@ -6,23 +6,17 @@
 #include "hdStf/tokens.h"
 
 #include "pxr/imaging/hd/changeTracker.h"
-#include "pxr/imaging/hd/extComputationUtils.h"
 #include "pxr/imaging/hd/sceneDelegate.h"
 #include "pxr/imaging/hd/tokens.h"
 #include "pxr/imaging/pxOsd/tokens.h"
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <utility>
 
 PXR_NAMESPACE_OPEN_SCOPE
 
 namespace {
-
-constexpr std::array<HdInterpolation, 5> _interpolations = {HdInterpolationConstant, HdInterpolationUniform,
-                                                            HdInterpolationVarying, HdInterpolationVertex,
-                                                            HdInterpolationFaceVarying};
 
 /// How much a primvar looks like the texture coordinates: 0 not at all, the higher the better.
 int _UvRank(HdPrimvarDescriptor const& primvar, TfToken const& wanted) {
@@ -36,20 +30,6 @@ int _UvRank(HdPrimvarDescriptor const& primvar, TfToken const& wanted) {
         }
     }
     return primvar.role == HdPrimvarRoleTokens->textureCoordinate ? 1 : 0;
-}
-
-/// The value as an array of T, also from a single T; false if it is neither.
-template<class T>
-bool _AsArray(VtValue const& value, VtArray<T>* array) {
-    if (value.CanCast<VtArray<T>>()) {
-        *array = VtValue::Cast<VtArray<T>>(value).template UncheckedGet<VtArray<T>>();
-        return true;
-    }
-    if (value.CanCast<T>()) {
-        *array = VtArray<T>(1, VtValue::Cast<T>(value).template UncheckedGet<T>());
-        return true;
-    }
-    return false;
 }
 
 stf::ControlMesh::Interpolation _ToStf(HdInterpolation interpolation) {
@@ -98,25 +78,25 @@ std::vector<int> HdStfWeldUvs(VtIntArray const& faceVertexIndices, std::vector<s
     return indices;
 }
 
-bool HdStfMeshData::Pull(HdMesh const& mesh, HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits,
+bool HdStfMeshData::Pull(HdRprim const& mesh, HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits,
                          TfToken const& uvPrimvar, HdStfMessages& messages) {
     bool changed = _PullPoints(mesh, sceneDelegate, dirtyBits);
     changed |= _PullPrimvars(mesh, sceneDelegate, dirtyBits, uvPrimvar, messages);
     return changed;
 }
 
-bool HdStfMeshData::PullTopology(HdMesh const& mesh, HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits) {
+bool HdStfMeshData::PullTopology(HdRprim const& mesh, HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits) {
     SdfPath const& id = mesh.GetId();
     bool changed = false;
     const bool topologyDirty = HdChangeTracker::IsTopologyDirty(dirtyBits, id);
     if (topologyDirty || HdChangeTracker::IsSubdivTagsDirty(dirtyBits, id)) {
-        HdMeshTopology topology = topologyDirty ? mesh.GetMeshTopology(sceneDelegate) : _topology;
-        topology.SetSubdivTags(mesh.GetSubdivTags(sceneDelegate));
+        HdMeshTopology topology = topologyDirty ? sceneDelegate->GetMeshTopology(id) : _topology;
+        topology.SetSubdivTags(sceneDelegate->GetSubdivTags(id));
         changed = !(topology == _topology);
         _topology = topology;
     }
     if (HdChangeTracker::IsDisplayStyleDirty(dirtyBits, id)) {
-        const int level = mesh.GetDisplayStyle(sceneDelegate).refineLevel;
+        const int level = sceneDelegate->GetDisplayStyle(id).refineLevel;
         changed |= level != _refineLevel;
         _refineLevel = level;
     }
@@ -157,28 +137,12 @@ bool HdStfMeshData::AssignParts(SdfPath const& id, SdfPath const& meshMaterial, 
     return changed;
 }
 
-bool HdStfMeshData::_PullPoints(HdMesh const& mesh, HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits) {
+bool HdStfMeshData::_PullPoints(HdRprim const& mesh, HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits) {
     SdfPath const& id = mesh.GetId();
     if (!HdChangeTracker::IsPrimvarDirty(dirtyBits, id, HdTokens->points)) {
         return false;
     }
-    VtValue value;
-    HdExtComputationPrimvarDescriptorVector computed;
-    for (auto const& primvar : sceneDelegate->GetExtComputationPrimvarDescriptors(id, HdInterpolationVertex)) {
-        if (primvar.name == HdTokens->points) {
-            computed.push_back(primvar);
-        }
-    }
-    if (!computed.empty()) {
-        auto values = HdExtComputationUtils::GetComputedPrimvarValues(computed, sceneDelegate);
-        value = values[HdTokens->points];
-    } else {
-        value = mesh.GetPoints(sceneDelegate);
-    }
-    VtVec3fArray points;
-    if (!value.IsEmpty()) {
-        _AsArray(value, &points);
-    }
+    const VtVec3fArray points = HdStfPullPoints(id, sceneDelegate);
     const bool changed = points != _points;
     _points = points;
     return changed;
@@ -197,7 +161,7 @@ size_t HdStfMeshData::_CountOf(HdInterpolation interpolation) const {
     }
 }
 
-bool HdStfMeshData::_PullPrimvars(HdMesh const& mesh, HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits,
+bool HdStfMeshData::_PullPrimvars(HdRprim const& mesh, HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits,
                                   TfToken const& uvPrimvar, HdStfMessages& messages) {
     SdfPath const& id = mesh.GetId();
     const bool primvarsDirty = dirtyBits & HdChangeTracker::DirtyPrimvar;
@@ -213,9 +177,9 @@ bool HdStfMeshData::_PullPrimvars(HdMesh const& mesh, HdSceneDelegate* sceneDele
     HdPrimvarDescriptor const* normal = nullptr;
     HdPrimvarDescriptor const* rest = nullptr;
     HdPrimvarDescriptor const* orientation = nullptr;
-    std::array<HdPrimvarDescriptorVector, _interpolations.size()> descriptors;
-    for (size_t i = 0; i < _interpolations.size(); ++i) {
-        descriptors[i] = mesh.GetPrimvarDescriptors(sceneDelegate, _interpolations[i]);
+    HdStfPrimvarDescriptors descriptors;
+    for (size_t i = 0; i < HdStfInterpolations.size(); ++i) {
+        descriptors[i] = mesh.GetPrimvarDescriptors(sceneDelegate, HdStfInterpolations[i]);
         for (HdPrimvarDescriptor const& primvar : descriptors[i]) {
             if (primvar.name == HdTokens->displayColor) {
                 color = &primvar;
@@ -235,26 +199,15 @@ bool HdStfMeshData::_PullPrimvars(HdMesh const& mesh, HdSceneDelegate* sceneDele
         }
     }
 
-    // UsdImaging of 20.08 goes on naming a primvar under the interpolations that it had before: the one counts that the
-    // number of values fits.
-    const auto interpolationOf = [&](HdPrimvarDescriptor const& primvar, size_t values) {
-        for (size_t i = 0; i < _interpolations.size(); ++i) {
-            for (HdPrimvarDescriptor const& other : descriptors[i]) {
-                if (other.name == primvar.name && values == _CountOf(_interpolations[i])) {
-                    return _interpolations[i];
-                }
-            }
-        }
-        return primvar.interpolation;
-    };
+    const auto countOf = [this](HdInterpolation interpolation) { return _CountOf(interpolation); };
     const auto pull = [&](HdPrimvarDescriptor const* primvar, auto& held) {
         std::decay_t<decltype(held)> fresh;
         if (primvar) {
-            if (!_AsArray(mesh.GetPrimvar(sceneDelegate, primvar->name), &fresh.values)) {
+            if (!HdStfAsArray(mesh.GetPrimvar(sceneDelegate, primvar->name), &fresh.values)) {
                 messages.Report(stf::Severity::Error, id.GetString() + ": primvars:" + primvar->name.GetString() +
                                                           " has a type that cannot be used; it is ignored");
             }
-            fresh.interpolation = interpolationOf(*primvar, fresh.values.size());
+            fresh.interpolation = HdStfInterpolationOf(descriptors, *primvar, fresh.values.size(), countOf);
         }
         const bool changed = !(fresh == held);
         held = fresh;

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "hdStf/primvars.h"
 #include "stfLib/surface/control_mesh.h"
 
 #include "pxr/base/gf/vec2f.h"
 #include "pxr/base/gf/vec3f.h"
 #include "pxr/base/vt/array.h"
+#include "pxr/imaging/hd/changeTracker.h"
 #include "pxr/imaging/hd/enums.h"
-#include "pxr/imaging/hd/mesh.h"
 #include "pxr/imaging/hd/meshTopology.h"
+#include "pxr/imaging/hd/rprim.h"
 #include "pxr/pxr.h"
 #include "pxr/usd/sdf/path.h"
 
@@ -27,7 +29,7 @@ class HdStfMessages;
 class HdStfMeshData {
 public:
     /// Pulls what of the topology \p dirtyBits say is dirty; before Pull. True if it differs from what is held.
-    bool PullTopology(HdMesh const& mesh, HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits);
+    bool PullTopology(HdRprim const& mesh, HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits);
     /// Makes parts of the faces whose subsets have another material than \p meshMaterial, one for each material. True
     /// if faces belong to other parts than before.
     bool AssignParts(SdfPath const& id, SdfPath const& meshMaterial, HdStfMessages& messages);
@@ -35,7 +37,7 @@ public:
     SdfPathVector const& GetPartMaterials() const { return _partMaterials; }
     /// Pulls points and primvars, each value once. True if something differs from what is held. Texture
     /// coordinates are the primvar \p uvPrimvar where there is one of that name, else what looks most like them.
-    bool Pull(HdMesh const& mesh, HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits, TfToken const& uvPrimvar,
+    bool Pull(HdRprim const& mesh, HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits, TfToken const& uvPrimvar,
               HdStfMessages& messages);
 
     bool IsEmpty() const { return _topology.GetFaceVertexCounts().empty() || _points.empty(); }
@@ -43,17 +45,8 @@ public:
     stf::ControlMesh MakeControlMesh() const;
 
 private:
-    template<class T>
-    struct _Primvar {
-        VtArray<T> values;
-        HdInterpolation interpolation = HdInterpolationConstant;
-        bool operator==(_Primvar const& other) const {
-            return interpolation == other.interpolation && values == other.values;
-        }
-    };
-
-    bool _PullPoints(HdMesh const& mesh, HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits);
-    bool _PullPrimvars(HdMesh const& mesh, HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits,
+    bool _PullPoints(HdRprim const& mesh, HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits);
+    bool _PullPrimvars(HdRprim const& mesh, HdSceneDelegate* sceneDelegate, HdDirtyBits dirtyBits,
                        TfToken const& uvPrimvar, HdStfMessages& messages);
     /// How many values a primvar of that interpolation has.
     size_t _CountOf(HdInterpolation interpolation) const;
@@ -63,11 +56,11 @@ private:
     std::vector<int> _faceParts; // empty: there are no parts
     int _refineLevel = 0;
     VtVec3fArray _points;
-    _Primvar<GfVec2f> _uvs;
-    _Primvar<GfVec3f> _colors;
-    _Primvar<GfVec3f> _normals;
-    _Primvar<GfVec3f> _rest;
-    _Primvar<GfVec3f> _orientation;
+    HdStfPrimvar<GfVec2f> _uvs;
+    HdStfPrimvar<GfVec3f> _colors;
+    HdStfPrimvar<GfVec3f> _normals;
+    HdStfPrimvar<GfVec3f> _rest;
+    HdStfPrimvar<GfVec3f> _orientation;
 };
 
 /// One index per face vertex into \p uvs, where face vertices of the same vertex and the same coordinates share an

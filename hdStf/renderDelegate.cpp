@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStf/renderDelegate.h"
 
+#include "hdStf/basisCurves.h"
 #include "hdStf/camera.h"
 #include "hdStf/hostInterface.h"
 #include "hdStf/instancer.h"
 #include "hdStf/light.h"
 #include "hdStf/material.h"
 #include "hdStf/mesh.h"
+#include "hdStf/points.h"
 #include "hdStf/renderBuffer.h"
 #include "hdStf/renderPass.h"
 #include "hdStf/renderStats.h"
@@ -21,6 +23,25 @@
 #include "pxr/imaging/hd/tokens.h"
 
 PXR_NAMESPACE_OPEN_SCOPE
+
+namespace {
+
+/// Null where the type is none that is drawn.
+template<class... Arguments>
+HdRprim* _CreateRprim(TfToken const& typeId, Arguments const&... arguments) {
+    if (typeId == HdPrimTypeTokens->mesh) {
+        return new HdStfMesh(arguments...);
+    }
+    if (typeId == HdPrimTypeTokens->basisCurves) {
+        return new HdStfBasisCurves(arguments...);
+    }
+    if (typeId == HdPrimTypeTokens->points) {
+        return new HdStfPoints(arguments...);
+    }
+    return nullptr;
+}
+
+} // namespace
 
 HdStfRenderDelegate::HdStfRenderDelegate()
     : HdRenderDelegate(), _job(_scene, _messages), _renderParam(_scene, _job, _messages) {
@@ -54,7 +75,8 @@ HdStfRenderDelegate::~HdStfRenderDelegate() {
 }
 
 TfTokenVector const& HdStfRenderDelegate::GetSupportedRprimTypes() const {
-    static const TfTokenVector types = {HdPrimTypeTokens->mesh};
+    static const TfTokenVector types = {HdPrimTypeTokens->mesh, HdPrimTypeTokens->basisCurves,
+                                        HdPrimTypeTokens->points};
     return types;
 }
 
@@ -131,8 +153,8 @@ HdInstancer* HdStfRenderDelegate::CreateInstancer(HdSceneDelegate* delegate, Sdf
 }
 
 HdRprim* HdStfRenderDelegate::CreateRprim(TfToken const& typeId, SdfPath const& rprimId, SdfPath const& instancerId) {
-    if (typeId == HdPrimTypeTokens->mesh) {
-        return new HdStfMesh(rprimId, instancerId);
+    if (HdRprim* rprim = _CreateRprim(typeId, rprimId, instancerId)) {
+        return rprim;
     }
 #else
 HdInstancer* HdStfRenderDelegate::CreateInstancer(HdSceneDelegate* delegate, SdfPath const& id) {
@@ -140,8 +162,8 @@ HdInstancer* HdStfRenderDelegate::CreateInstancer(HdSceneDelegate* delegate, Sdf
 }
 
 HdRprim* HdStfRenderDelegate::CreateRprim(TfToken const& typeId, SdfPath const& rprimId) {
-    if (typeId == HdPrimTypeTokens->mesh) {
-        return new HdStfMesh(rprimId);
+    if (HdRprim* rprim = _CreateRprim(typeId, rprimId)) {
+        return rprim;
     }
 #endif
     TF_CODING_ERROR("hdStf has no rprim of type %s", typeId.GetText());

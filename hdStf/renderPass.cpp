@@ -3,9 +3,9 @@
 
 #include "hdStf/camera.h"
 #include "hdStf/conversions.h"
-#include "hdStf/mesh.h"
 #include "hdStf/renderBuffer.h"
 #include "hdStf/renderDelegate.h"
+#include "hdStf/rprim.h"
 #include "hdStf/tokens.h"
 
 #include "pxr/imaging/hd/changeTracker.h"
@@ -70,8 +70,8 @@ bool HdStfRenderPass::_UpdateDrawnPrims(TfTokenVector const& renderTags) {
     _renderTags = renderTags;
     bool changed = false;
     for (SdfPath const& id : index->GetRprimIds()) {
-        auto const* mesh = dynamic_cast<HdStfMesh const*>(index->GetRprim(id));
-        if (!mesh) {
+        auto const* rprim = dynamic_cast<HdStfRprim const*>(index->GetRprim(id));
+        if (!rprim) {
             continue;
         }
         const TfToken tag = index->GetRenderTag(id);
@@ -79,7 +79,7 @@ bool HdStfRenderPass::_UpdateDrawnPrims(TfTokenVector const& renderTags) {
         const bool tagged =
             renderTags.empty() || std::find(renderTags.begin(), renderTags.end(), tag) != renderTags.end();
         // GetRprim is const because tasks may not edit prims; which of them this pass draws is the pass's own matter.
-        changed |= const_cast<HdStfMesh*>(mesh)->SetDrawn(tagged && _Collects(GetRprimCollection(), id), _param);
+        changed |= const_cast<HdStfRprim*>(rprim)->SetDrawn(tagged && _Collects(GetRprimCollection(), id), _param);
     }
     return changed;
 }

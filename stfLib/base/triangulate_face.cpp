@@ -29,6 +29,7 @@ bool project(const std::vector<Vec3d>& corners, std::vector<Vec2d>& flat) {
     Vec3d t, b;
     orthonormalBasis(normalize(normal), t, b);
     flat.clear();
+    flat.reserve(corners.size());
     for (const Vec3d& p : corners) {
         flat.push_back({dot(p - corners[0], t), dot(p - corners[0], b)});
     }

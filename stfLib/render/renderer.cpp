@@ -214,6 +214,7 @@ void Renderer::Impl::prepareMesh(const std::string& id, const SceneMesh& m, doub
                 box.add(p);
             }
             options.targetEdge = box.diagonal() / 100;
+            options.maxEdgeTriangles = 20'000; // scenes may have thousands of meshes
         }
         RefinedSurface whole =
             refine(mesh, options, [&](Severity s, const std::string& text) { say(s, id + ": " + text); });

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stfLib/surface/refine_parts.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <unordered_map>
 
@@ -28,6 +29,13 @@ std::vector<std::size_t> triangulate(const ControlMesh& mesh, RefinedSurface& su
     for (int f : mesh.holeIndices) {
         hole[std::size_t(f)] = 1;
     }
+    // Two triangles fewer than corners to a face.
+    const std::size_t expected =
+        mesh.faceVertexIndices.size() - std::min(mesh.faceVertexIndices.size(), 2 * mesh.faceVertexCounts.size());
+    surface.triangles.reserve(expected);
+    surface.triangleFace.reserve(expected);
+    surface.uvTriangles.reserve(uvIndices.empty() ? 0 : expected);
+    faceVertices.reserve(3 * expected);
     std::vector<Vec3d> corners;
     std::vector<Vec3i> triangles;
     std::size_t begin = 0;
@@ -66,6 +74,7 @@ std::vector<Vec3f> normalsOfCorners(const ControlMesh& mesh, const std::vector<V
                                     const std::vector<std::size_t>& faceVertices, const std::vector<int>& faces) {
     using Interpolation = ControlMesh::Interpolation;
     std::vector<Vec3f> facets;
+    facets.reserve(mesh.faceVertexCounts.size());
     std::vector<Vec3d> corners;
     std::size_t begin = 0;
     for (const int count : mesh.faceVertexCounts) {

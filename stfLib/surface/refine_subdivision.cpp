@@ -223,7 +223,8 @@ LevelValues refineAsAsked(Far::TopologyRefiner& refiner, const ControlMesh& mesh
     if (options.targetEdge > 0 && level == wanted) {
         // Edges halve with each level, nearly; one step is enough to know the length of smoothed edges.
         const double edge = typicalEdge(refiner.GetLevel(level), values.vertices);
-        while (wanted < maxLevel && edge / double(1u << (wanted - level)) > double(options.targetEdge)) {
+        while (wanted < maxLevel && edge / double(1u << (wanted - level)) > double(options.targetEdge) &&
+               triangleCount(mesh, loop, wanted + 1) <= options.maxEdgeTriangles) {
             ++wanted;
         }
         int reached = wanted;

@@ -42,6 +42,8 @@ struct RefineOptions {
     int maxLevel = 6;
     /// Never more triangles than this; the level is lowered and a message says so.
     std::size_t maxTriangles = 2'000'000;
+    /// The same for levels that only `targetEdge` asks for, without a word; levels up to `level` are made all the same.
+    std::size_t maxEdgeTriangles = 2'000'000;
 };
 
 /// Refines a sanitized mesh by OpenSubdiv (uniform levels, then vertices are moved to the limit surface; limit normals

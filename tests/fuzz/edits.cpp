@@ -7,6 +7,8 @@ const EditKinds& editKinds() {
     static const EditKinds all = [] {
         EditKinds kinds;
         addMeshEdits(kinds);
+        addGprimEdits(kinds);
+        addSubsetEdits(kinds);
         addShellEdits(kinds);
         addMaterialEdits(kinds);
         addLightEdits(kinds);

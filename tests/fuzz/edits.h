@@ -20,6 +20,8 @@ using EditKinds = std::vector<EditKind>;
 
 // By what they edit, one file each.
 void addMeshEdits(EditKinds& kinds);
+void addGprimEdits(EditKinds& kinds);
+void addSubsetEdits(EditKinds& kinds);
 void addShellEdits(EditKinds& kinds);
 void addMaterialEdits(EditKinds& kinds);
 void addLightEdits(EditKinds& kinds);

@@ -12,6 +12,16 @@ namespace fuzz {
 
 namespace {
 
+std::vector<UsdPrim> shellNodes(const Session& s) {
+    std::vector<UsdPrim> nodes;
+    for (const UsdPrim& material : s.prims<UsdShadeMaterial>()) {
+        if (const UsdPrim node = material.GetChild(TfToken("Shell"))) {
+            nodes.push_back(node);
+        }
+    }
+    return nodes;
+}
+
 std::string addMaterial(Session& s, Random& r) {
     const SdfPath path = freePath(s, "/Looks", "Look", r);
     if (path.IsEmpty() || !s.stage->GetPrimAtPath(SdfPath("/Looks"))) {
@@ -37,6 +47,42 @@ std::string addMaterial(Session& s, Random& r) {
         UsdShadeMaterialBindingAPI(mesh).Bind(material);
     }
     return "add " + path.GetString() + (mesh ? " for " + mesh.GetPath().GetString() : "");
+}
+
+/// A material that is a shell. Its node is known to OpenUSD once the delegate is there.
+std::string addShell(Session& s, Random& r) {
+    const SdfPath path = freePath(s, "/Looks", "Shell", r);
+    if (path.IsEmpty() || !s.stage->GetPrimAtPath(SdfPath("/Looks")) || shellNodes(s).size() > 1) {
+        return {};
+    }
+    const UsdShadeMaterial material = UsdShadeMaterial::Define(s.stage, path);
+    UsdShadeShader shell = UsdShadeShader::Define(s.stage, path.AppendChild(TfToken("Shell")));
+    shell.CreateIdAttr(VtValue(TfToken("StfShell")));
+    shell.CreateInput(TfToken("baseVolume"), SdfValueTypeNames->Asset).Set(SdfAssetPath(s.files.volume(0)));
+    shell.CreateOutput(TfToken("surface"), SdfValueTypeNames->Token);
+    material.CreateSurfaceOutput(TfToken("stf")).ConnectToSource(shell, TfToken("surface"));
+    const UsdPrim mesh = anyOf(s.prims<UsdGeomMesh>(), r);
+    if (mesh) {
+        UsdShadeMaterialBindingAPI(mesh).Bind(material);
+    }
+    return "add " + path.GetString() + (mesh ? " for " + mesh.GetPath().GetString() : "");
+}
+
+std::string setShell(Session& s, Random& r) {
+    const UsdPrim node = anyOf(shellNodes(s), r);
+    if (!node) {
+        return {};
+    }
+    switch (r.below(3)) {
+    case 0:
+        return setAttribute(
+            node, "inputs:baseVolume", SdfValueTypeNames->Asset,
+            VtValue(SdfAssetPath(r.chance(0.2) ? "missing.vdb" : s.files.volume(r.below(s.files.volumes)))), r, false);
+    case 1:
+        return setAttribute(node, "inputs:seed", SdfValueTypeNames->Int, VtValue(r.below(3)), r, false);
+    default:
+        return setAttribute(node, "inputs:scale", SdfValueTypeNames->Float, VtValue(r.of({1.0f, 2.0f})), r, false);
+    }
 }
 
 UsdShadeShader nodeOf(Session& s, Random& r, const char* name) {
@@ -118,7 +164,7 @@ std::string unknownNode(Session& s, Random& r) {
 }
 
 std::string bind(Session& s, Random& r) {
-    const UsdPrim mesh = anyOf(s.prims<UsdGeomMesh>(), r);
+    const UsdPrim mesh = anyOf(s.prims<UsdGeomGprim>(), r);
     const UsdPrim material = anyOf(s.prims<UsdShadeMaterial>(), r);
     if (!mesh || !material) {
         return {};
@@ -128,7 +174,7 @@ std::string bind(Session& s, Random& r) {
 }
 
 std::string unbind(Session& s, Random& r) {
-    const UsdPrim mesh = anyOf(s.prims<UsdGeomMesh>(), r);
+    const UsdPrim mesh = anyOf(s.prims<UsdGeomGprim>(), r);
     if (!mesh || !mesh.HasRelationship(TfToken("material:binding"))) {
         return {};
     }
@@ -149,6 +195,8 @@ void addMaterialEdits(EditKinds& kinds) {
     kinds.push_back({"material: texture", 3, setTexture});
     kinds.push_back({"material: name of the coordinates", 2, setReader});
     kinds.push_back({"material: unknown node", 1, unknownNode});
+    kinds.push_back({"material: add a shell", 1, addShell});
+    kinds.push_back({"material: shell", 2, setShell});
     kinds.push_back({"material: bind", 3, bind});
     kinds.push_back({"material: unbind", 2, unbind});
 }

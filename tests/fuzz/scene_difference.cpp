@@ -34,6 +34,17 @@ bool drawn(const stf::SceneMesh& m) {
     return m.visible && m.mesh && !m.instances.empty();
 }
 
+/// When an instance's motion is sampled.
+std::string timesOf(const stf::MeshInstance& instance) {
+    std::ostringstream text;
+    text << "[";
+    for (const stf::TransformSample& sample : instance.motion) {
+        text << " " << sample.time;
+    }
+    text << " ]";
+    return text.str();
+}
+
 void compareMeshes(const std::string& id, const stf::SceneMesh& a, const stf::SceneMesh& b, Lines& lines) {
     const stf::ControlMesh &m = *a.mesh, &n = *b.mesh;
     lines.check(id + ": face counts", m.faceVertexCounts, n.faceVertexCounts);
@@ -57,13 +68,18 @@ void compareMeshes(const std::string& id, const stf::SceneMesh& a, const stf::Sc
     lines.check(id + ": refine level", a.refineLevel, b.refineLevel);
     lines.check(id + ": binding", a.stf, b.stf);
     lines.check(id + ": material \"" + a.material + "\", \"" + b.material + "\"", a.material, b.material);
+    lines.check(id + ": parts", m.faceParts, n.faceParts);
+    lines.check(id + ": materials of parts", a.partMaterials, b.partMaterials);
+    lines.check(id + ": links", a.links, b.links);
     if (a.instances.size() != b.instances.size()) {
         lines.add(id + ": instances " + std::to_string(a.instances.size()) + ", " + std::to_string(b.instances.size()));
     } else {
         for (std::size_t i = 0; i < a.instances.size(); ++i) {
             const std::string one = id + ": instance " + std::to_string(i);
             lines.check(one + ": transform", a.instances[i].objectToWorld, b.instances[i].objectToWorld);
-            lines.check(one + ": motion", a.instances[i].motion, b.instances[i].motion);
+            lines.check(one + ": links", a.instances[i].links, b.instances[i].links);
+            lines.check(one + ": motion, " + timesOf(a.instances[i]) + " and " + timesOf(b.instances[i]),
+                        a.instances[i].motion, b.instances[i].motion);
         }
     }
 }

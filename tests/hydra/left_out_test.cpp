@@ -61,4 +61,15 @@ TEST(LeftOut, OneSentencePerType) {
               (Sentences{"the renderer draws no curves: 3 prims are left out, the first is /Hair"}));
 }
 
+TEST(LeftOut, TypesWithoutASchemaAreNamed) {
+    const SdfLayerRefPtr layer = SdfLayer::CreateAnonymous(".usda");
+    ASSERT_TRUE(layer->ImportFromString("#usda 1.0\ndef NoSuchType \"A\"\n{\n def Mesh \"B\"\n{\n}\n}\n"
+                                        "def NoSuchType \"C\"\n{\n}\ndef \"D\"\n{\n}\n"));
+    EXPECT_EQ(
+        stfrecord::describeLeftOut(UsdStage::Open(layer), {HdPrimTypeTokens->mesh}, {"default"},
+                                   UsdTimeCode::Default()),
+        Sentences{
+            "this OpenUSD has no schema for NoSuchType: 2 prims are left out with what is below, the first is /A"});
+}
+
 } // namespace

@@ -26,7 +26,8 @@ def say(text):
 
 def render(stfrecord, usd, image, width, paths, error, quality):
     call = [stfrecord, usd, usd.with_suffix(".exr"), "--png", image, "--imageWidth", str(width), "--quiet",
-            "--samples", str(paths), "--set", f"stf:errorTarget={error}", "--set", f"stf:quality={quality}", "--stats", usd.with_suffix(".stats.json")]
+            "--samples", str(paths), "--set", f"stf:errorTarget={error}", "--set", f"stf:quality={quality}",
+            "--stats", usd.with_suffix(".stats.json")]
     done = subprocess.run(call, capture_output=True, text=True)
     if done.returncode > 1:
         raise SystemExit(f"[gallery] {usd.stem}: {done.stderr.strip()}")
@@ -53,8 +54,8 @@ def main():
     parser.add_argument("--samples", nargs="+", choices=sorted(plan["samples"]), metavar="NAME",
                         default=list(plan["samples"]), help="default: all: %(default)s")
     parser.add_argument("--width", type=int, default=400, help="of a picture (%(default)s)")
-    parser.add_argument("--paths", type=int, default=400, help="per pixel, at most (%(default)s)")
-    parser.add_argument("--error", type=float, default=0.04,
+    parser.add_argument("--paths", type=int, default=200, help="per pixel, at most (%(default)s)")
+    parser.add_argument("--error", type=float, default=0.07,
                         help="relative error at which a pixel gets no more (%(default)s)")
     parser.add_argument("--grey", action="store_true", help="objects without a sample, for a look at them")
     parser.add_argument("--build", type=pathlib.Path, default=TOP / "build", help="folder of the build (%(default)s)")

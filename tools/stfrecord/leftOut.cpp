@@ -4,12 +4,14 @@
 #include "pxr/base/tf/stringUtils.h"
 #include "pxr/imaging/hd/tokens.h"
 #include "pxr/usd/usd/primRange.h"
+#include "pxr/usd/usd/typed.h"
 #include "pxr/usd/usdGeom/bboxCache.h"
 #include "pxr/usd/usdGeom/curves.h"
 #include "pxr/usd/usdGeom/imageable.h"
 #include "pxr/usd/usdGeom/points.h"
 
 #include <algorithm>
+#include <map>
 
 namespace stfrecord {
 
@@ -41,7 +43,15 @@ std::vector<std::string> describeLeftOut(const UsdStagePtr& stage, const TfToken
     Kind kinds[] = {{"curves", HdPrimTypeTokens->basisCurves, 0, {}, {}},
                     {"points", HdPrimTypeTokens->points, 0, {}, {}},
                     {"volumes", HdPrimTypeTokens->volume, 0, {}, {}}};
+    std::map<TfToken, Kind> unknown; // types without a schema, as those of usdSkel where OpenUSD is built without it
     for (const UsdPrim& prim : stage->Traverse(UsdTraverseInstanceProxies())) {
+        if (!prim.GetTypeName().IsEmpty() && !prim.IsA<UsdTyped>()) {
+            Kind& type = unknown[prim.GetTypeName()];
+            if (type.count++ == 0) {
+                type.first = prim.GetPath();
+            }
+            continue;
+        }
         Kind* kind = prim.IsA<UsdGeomCurves>()        ? &kinds[0]
                      : prim.IsA<UsdGeomPoints>()      ? &kinds[1]
                      : prim.GetTypeName() == "Volume" ? &kinds[2]
@@ -75,6 +85,11 @@ std::vector<std::string> describeLeftOut(const UsdStagePtr& stage, const TfToken
             sentence += "; they say no extent";
         }
         sentences.push_back(sentence);
+    }
+    for (const auto& [type, kind] : unknown) {
+        sentences.push_back("this OpenUSD has no schema for " + type.GetString() + ": " + std::to_string(kind.count) +
+                            (kind.count == 1 ? " prim is" : " prims are") +
+                            " left out with what is below, the first is " + kind.first.GetString());
     }
     return sentences;
 }

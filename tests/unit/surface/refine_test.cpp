@@ -264,6 +264,20 @@ TEST(Refine, TargetEdgeChoosesTheLevelAndTrianglesAreBounded) {
     }
 }
 
+TEST(Refine, WhatOnlyTheEdgeAsksForHasABoundOfItsOwn) {
+    Messages messages;
+    RefineOptions options;
+    options.targetEdge = 1e-4f;
+    options.maxEdgeTriangles = 1000;
+    const ControlMesh mesh = cube(ControlMesh::Scheme::CatmullClark);
+    const std::size_t within = refine(mesh, options, messages.sink()).triangles.size();
+    EXPECT_LE(within, 1000u);
+    EXPECT_GT(4 * within, 1000u);
+    options.level = 5; // asked for: 12 * 4^5 triangles
+    EXPECT_EQ(refine(mesh, options, messages.sink()).triangles.size(), 12288u);
+    EXPECT_EQ(messages.text, "");
+}
+
 TEST(Refine, PolygonsAreFacetedUnlessNormalsAreAuthored) {
     const RefinedSurface s = refined(cube(ControlMesh::Scheme::None), 0, 0.6f);
     ASSERT_EQ(s.cornerNormals.size(), 3 * s.triangles.size());
