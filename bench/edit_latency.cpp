@@ -34,22 +34,25 @@ double since(Clock::time_point start) {
 class Shown {
 public:
     explicit Shown(HdStfRenderBuffer& buffer) : buffer_(buffer) { take(); }
-    /// Whether it has changed since the last time.
+    /// Whether it has changed since the last time; that it was allocated does not count.
     bool changed() {
+        const bool same = size() == last_.size();
         const void* now = buffer_.Map();
-        const bool other = std::memcmp(now, last_.data(), last_.size()) != 0;
+        const bool other = same && std::memcmp(now, last_.data(), last_.size()) != 0;
         buffer_.Unmap();
-        if (other) {
+        if (other || !same) {
             take();
         }
         return other;
     }
 
 private:
+    std::size_t size() const {
+        return std::size_t(buffer_.GetWidth()) * buffer_.GetHeight() * HdDataSizeOfFormat(buffer_.GetFormat());
+    }
     void take() {
         const auto* now = static_cast<const unsigned char*>(buffer_.Map());
-        last_.assign(now, now + std::size_t(buffer_.GetWidth()) * buffer_.GetHeight() *
-                                    HdDataSizeOfFormat(buffer_.GetFormat()));
+        last_.assign(now, now + size());
         buffer_.Unmap();
     }
 
