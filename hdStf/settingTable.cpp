@@ -134,6 +134,7 @@ const std::vector<VariableRow>& variableTable() {
         {"HDSTF_TEST_OUTPUT", "", "tests: a folder to leave pictures in"},
         {"HDSTF_TEST_SIZE", "", "tests: the size of those pictures"},
         {"HDSTF_TEST_SCENE_INDICES", "", "tests: 1: stages come in by scene indices"},
+        {"HDSTF_IMAGING_SCENES", "", "tests: a folder of USD files to render (docs/hosts.md)"},
     };
     return table;
 }

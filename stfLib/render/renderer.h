@@ -61,7 +61,7 @@ struct RenderStats {
     int refinements = 0, syntheses = 0, grids = 0, poses = 0;
     double precomputeSeconds = 0, synthesisSeconds = 0, shellSeconds = 0, coreSeconds = 0, indirectSeconds = 0,
            loadSeconds = 0;
-    double firstPixelSeconds = 0; ///< from the start of prepare to the end of the first pass
+    double firstPixelSeconds = 0; ///< from the start of prepare to the first pixels, coarse or not
     double renderSeconds = 0;
     std::size_t tableBytes = 0, shellBytes = 0;
     std::uint64_t rays = 0;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "stfLib/base/parallel.h"
 #include "stfLib/surface/refine_parts.h"
 
 #include <algorithm>
@@ -6,6 +7,8 @@
 namespace stf {
 
 namespace {
+
+constexpr std::size_t kTogether = 4096; // triangles, points
 
 /// The same surface seen with the other winding; arrays per face vertex are turned along.
 ControlMesh turned(const ControlMesh& mesh) {
@@ -152,22 +155,34 @@ float cornerAngle(const std::vector<Vec3f>& points, const Vec3i& triangle, int c
 
 std::vector<Vec3f> angleWeightedNormals(const std::vector<Vec3f>& points, const std::vector<Vec3i>& triangles,
                                         const std::vector<Vec3f>& cornerNormals) {
+    // What costs is found in parallel, and added up in the order of the triangles.
+    std::vector<Vec3d> facets(cornerNormals.empty() ? triangles.size() : 0);
+    std::vector<Vec3f> angles(triangles.size());
+    parallelFor(triangles.size(), kTogether, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t t = begin; t < end; ++t) {
+            const Vec3i& tri = triangles[t];
+            if (!facets.empty()) {
+                const Vec3d p(points[std::size_t(tri.x)]);
+                facets[t] =
+                    normalize(cross(Vec3d(points[std::size_t(tri.y)]) - p, Vec3d(points[std::size_t(tri.z)]) - p));
+            }
+            angles[t] = {cornerAngle(points, tri, 0), cornerAngle(points, tri, 1), cornerAngle(points, tri, 2)};
+        }
+    });
     std::vector<Vec3d> sum(points.size());
     for (std::size_t t = 0; t < triangles.size(); ++t) {
-        const Vec3i& tri = triangles[t];
-        const Vec3d p(points[std::size_t(tri.x)]);
-        const Vec3d facet =
-            normalize(cross(Vec3d(points[std::size_t(tri.y)]) - p, Vec3d(points[std::size_t(tri.z)]) - p));
         for (int c = 0; c < 3; ++c) {
-            const Vec3d n = cornerNormals.empty() ? facet : Vec3d(cornerNormals[3 * t + std::size_t(c)]);
-            sum[std::size_t(tri[c])] += n * double(cornerAngle(points, tri, c));
+            const Vec3d n = facets.empty() ? Vec3d(cornerNormals[3 * t + std::size_t(c)]) : facets[t];
+            sum[std::size_t(triangles[t][c])] += n * double(angles[t][c]);
         }
     }
     std::vector<Vec3f> normals(points.size());
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        // Opposite facets cancel: what is left over is rounding, not a direction.
-        normals[i] = length(sum[i]) > 1e-6 ? Vec3f(normalize(sum[i])) : Vec3f();
-    }
+    parallelFor(points.size(), kTogether, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            // Opposite facets cancel: what is left over is rounding, not a direction.
+            normals[i] = length(sum[i]) > 1e-6 ? Vec3f(normalize(sum[i])) : Vec3f();
+        }
+    });
     return normals;
 }
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "stfLib/base/parallel.h"
 #include "stfLib/surface/refine_parts.h"
 
 #include <algorithm>
@@ -8,6 +9,8 @@
 namespace stf {
 
 namespace {
+
+constexpr std::size_t kTogether = 4096; // faces, corners
 
 /// Normal of a whole polygon (Newell); zero where degenerate.
 Vec3d polygonNormal(const std::vector<Vec3d>& corners) {
@@ -73,34 +76,41 @@ std::vector<std::size_t> triangulate(const ControlMesh& mesh, RefinedSurface& su
 std::vector<Vec3f> normalsOfCorners(const ControlMesh& mesh, const std::vector<Vec3f>& points, bool authored,
                                     const std::vector<std::size_t>& faceVertices, const std::vector<int>& faces) {
     using Interpolation = ControlMesh::Interpolation;
-    std::vector<Vec3f> facets;
-    facets.reserve(mesh.faceVertexCounts.size());
-    std::vector<Vec3d> corners;
-    std::size_t begin = 0;
+    std::vector<std::size_t> begins;
+    begins.reserve(mesh.faceVertexCounts.size());
+    std::size_t next = 0;
     for (const int count : mesh.faceVertexCounts) {
-        corners.clear();
-        for (std::size_t i = begin; i < begin + std::size_t(count); ++i) {
-            corners.emplace_back(points[std::size_t(mesh.faceVertexIndices[i])]);
-        }
-        facets.emplace_back(polygonNormal(corners));
-        begin += std::size_t(count);
+        begins.push_back(next);
+        next += std::size_t(count);
     }
-    std::vector<Vec3f> normals;
-    normals.reserve(faceVertices.size());
-    for (std::size_t i = 0; i < faceVertices.size(); ++i) {
-        const std::size_t f = std::size_t(faces[i / 3]), corner = faceVertices[i];
-        Vec3f n;
-        if (authored && !mesh.normals.empty()) {
-            const std::size_t which = mesh.normalInterpolation == Interpolation::Constant  ? 0
-                                      : mesh.normalInterpolation == Interpolation::Uniform ? f
-                                      : mesh.normalInterpolation == Interpolation::Vertex
-                                          ? std::size_t(mesh.faceVertexIndices[corner])
-                                          : corner;
-            n = normalize(mesh.normals[which]);
+    std::vector<Vec3f> facets(begins.size());
+    parallelFor(begins.size(), kTogether, [&](std::size_t begin, std::size_t end) {
+        std::vector<Vec3d> corners;
+        for (std::size_t f = begin; f < end; ++f) {
+            corners.clear();
+            for (std::size_t i = begins[f]; i < begins[f] + std::size_t(mesh.faceVertexCounts[f]); ++i) {
+                corners.emplace_back(points[std::size_t(mesh.faceVertexIndices[i])]);
+            }
+            facets[f] = Vec3f(polygonNormal(corners));
         }
-        // Authored normals that look away from their face are errors of export.
-        normals.push_back(dot(n, facets[f]) > 0.05f ? n : facets[f]);
-    }
+    });
+    std::vector<Vec3f> normals(faceVertices.size());
+    parallelFor(faceVertices.size(), kTogether, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const std::size_t f = std::size_t(faces[i / 3]), corner = faceVertices[i];
+            Vec3f n;
+            if (authored && !mesh.normals.empty()) {
+                const std::size_t which = mesh.normalInterpolation == Interpolation::Constant  ? 0
+                                          : mesh.normalInterpolation == Interpolation::Uniform ? f
+                                          : mesh.normalInterpolation == Interpolation::Vertex
+                                              ? std::size_t(mesh.faceVertexIndices[corner])
+                                              : corner;
+                n = normalize(mesh.normals[which]);
+            }
+            // Authored normals that look away from their face are errors of export.
+            normals[i] = dot(n, facets[f]) > 0.05f ? n : facets[f];
+        }
+    });
     return normals;
 }
 
