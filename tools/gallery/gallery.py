@@ -54,8 +54,8 @@ def main():
     parser.add_argument("--samples", nargs="+", choices=sorted(plan["samples"]), metavar="NAME",
                         default=list(plan["samples"]), help="default: all: %(default)s")
     parser.add_argument("--width", type=int, default=400, help="of a picture (%(default)s)")
-    parser.add_argument("--paths", type=int, default=200, help="per pixel, at most (%(default)s)")
-    parser.add_argument("--error", type=float, default=0.07,
+    parser.add_argument("--paths", type=int, default=64, help="per pixel, at most (%(default)s)")
+    parser.add_argument("--error", type=float, default=0.06,
                         help="relative error at which a pixel gets no more (%(default)s)")
     parser.add_argument("--grey", action="store_true", help="objects without a sample, for a look at them")
     parser.add_argument("--build", type=pathlib.Path, default=TOP / "build", help="folder of the build (%(default)s)")
