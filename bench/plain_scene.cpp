@@ -3,6 +3,7 @@
 // Built twice, with all of the renderer and without what paths do for shells (bench/plain.py). Prints a line of JSON.
 
 #include "bench/bench_parts.h"
+#include "bench/bench_view.h"
 #include "stfLib/render/renderer.h"
 #include "stfLib/render/shells_compiled.h"
 
@@ -45,12 +46,7 @@ void addLights(Scene& scene, const Box3f& box) {
     sky.type = Light::Type::Dome;
     sky.emission = Rgb(0.4f, 0.5f, 0.6f);
     scene.setLight("/sky", sky);
-    Light sun; // shines along its -z
-    sun.lightToWorld.z = normalize(Vec3d(0.5, 0.7, 1));
-    sun.lightToWorld.x = normalize(cross(Vec3d(0, 1, 0), sun.lightToWorld.z));
-    sun.lightToWorld.y = cross(sun.lightToWorld.z, sun.lightToWorld.x);
-    sun.emission = Rgb(2.0f);
-    scene.setLight("/sun", sun);
+    scene.setLight("/sun", sunFrom(Vec3d(0.5, 0.7, 1), Rgb(2.0f)));
     Light lamp;
     lamp.type = Light::Type::Sphere;
     lamp.radius = 0.1f * box.diagonal();
@@ -67,12 +63,7 @@ Camera lookAt(const Box3f& box) {
     const Vec3d eye = target + z * (2 * reach);
     const Matrix4 view{x.x, y.x, z.x, 0, x.y,          y.y,          z.y,          0,
                        x.z, y.z, z.z, 0, -dot(x, eye), -dot(y, eye), -dot(z, eye), 1};
-    Matrix4 projection{};
-    projection[0] = projection[5] = 1 / opening;
-    projection[10] = -(high + low) / (high - low);
-    projection[11] = -1;
-    projection[14] = -2 * high * low / (high - low);
-    return Camera(view, projection);
+    return Camera(view, squareFrustum(opening, low, high));
 }
 
 nlohmann::ordered_json run(const Arguments& a) {

@@ -3,6 +3,7 @@
 // the same triangles with the same rays. Prints a line of JSON.
 
 #include "bench/bench_parts.h"
+#include "bench/bench_view.h"
 #include "stfLib/render/integrator.h"
 #include "stfLib/render/renderer.h"
 
@@ -120,12 +121,7 @@ Camera lookAt(const Box3f& box) {
     const double reach = 0.5 * double(box.diagonal()), distance = 3 * reach, opening = 0.3;
     const double low = distance - 1.5 * reach, high = distance + 1.5 * reach;
     Matrix4 view{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -middle.x, -middle.y, -middle.z - distance, 1};
-    Matrix4 projection{};
-    projection[0] = projection[5] = 1 / opening;
-    projection[10] = -(high + low) / (high - low);
-    projection[11] = -1;
-    projection[14] = -2 * high * low / (high - low);
-    return Camera(view, projection);
+    return Camera(view, squareFrustum(opening, low, high));
 }
 
 /// The scene as the renderer prepares it, around the box's middle.
@@ -146,15 +142,6 @@ PreparedScene prepared(const std::shared_ptr<const RefinedSurface>& surface) {
     scene.rays = std::make_unique<const RayScene>(std::vector<RayInstance>{r});
     scene.shadowOffset = 1e-5f * surface->bounds.diagonal();
     return scene;
-}
-
-Light distantLight() {
-    Light light; // shines along its -z
-    light.lightToWorld.z = Vec3d(kTowardsLight);
-    light.lightToWorld.x = normalize(cross(Vec3d(0, 1, 0), light.lightToWorld.z));
-    light.lightToWorld.y = cross(light.lightToWorld.z, light.lightToWorld.x);
-    light.emission = Rgb(1.0f);
-    return light;
 }
 
 nlohmann::ordered_json run(const Arguments& a) {
@@ -210,7 +197,7 @@ nlohmann::ordered_json run(const Arguments& a) {
     white.ior = 1.0f; // nothing glossy
     whole.setMaterial("/white", white);
     whole.setMeshMaterial("/mesh", "/white");
-    whole.setLight("/sun", distantLight());
+    whole.setLight("/sun", sunFrom(Vec3d(kTowardsLight), Rgb(1.0f)));
     settings.maxDepth = 0;
     renderer.setSettings(settings);
     renderer.setCamera(camera, a.size, a.size);
