@@ -131,6 +131,22 @@ class Bench:
         return best
 
 
+def measure(build, names=tuple(ROWS), width=256, samples=16, rounds=3):
+    rows = []
+    print(f"\n{'left out':<40}{'without s':>11}{'with s':>9}{'saved s':>9}  stages")
+    with tempfile.TemporaryDirectory() as folder:
+        bench = Bench(build, pathlib.Path(folder), width, samples)
+        for name in names:
+            without, with_it, stages, fresh = ROWS[name]
+            best = bench.row(without, with_it, stages, fresh, rounds)
+            rows.append({"leftOut": name, "without": best[0], "with": best[1], "stages": stages})
+            print(f"{name:<40}{best[0]:>11.2f}{best[1]:>9.2f}{best[1] - best[0]:>9.2f}  {', '.join(stages)}", flush=True)
+    target = build / "bench" / "left_out.json"
+    target.parent.mkdir(exist_ok=True)
+    target.write_text(json.dumps(rows, indent=1))
+    print(target)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--build", type=pathlib.Path, default=pathlib.Path(__file__).resolve().parent.parent / "build")
@@ -139,19 +155,7 @@ def main():
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--only", nargs="+", choices=ROWS, default=list(ROWS))
     arguments = parser.parse_args()
-    rows = []
-    print(f"{'left out':<40}{'without s':>11}{'with s':>9}{'saved s':>9}  stages")
-    with tempfile.TemporaryDirectory() as folder:
-        bench = Bench(arguments.build.resolve(), pathlib.Path(folder), arguments.width, arguments.samples)
-        for name in arguments.only:
-            without, with_it, stages, fresh = ROWS[name]
-            best = bench.row(without, with_it, stages, fresh, arguments.rounds)
-            rows.append({"leftOut": name, "without": best[0], "with": best[1], "stages": stages})
-            print(f"{name:<40}{best[0]:>11.2f}{best[1]:>9.2f}{best[1] - best[0]:>9.2f}  {', '.join(stages)}", flush=True)
-    target = arguments.build / "bench" / "left_out.json"
-    target.parent.mkdir(exist_ok=True)
-    target.write_text(json.dumps(rows, indent=1))
-    print(target)
+    measure(arguments.build.resolve(), arguments.only, arguments.width, arguments.samples, arguments.rounds)
 
 
 if __name__ == "__main__":

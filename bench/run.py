@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""Times of the chain on this machine: light transport (transport.py), frames, camera rays (rays.py).
+"""Times of the chain on this machine: light transport (transport.py), frames, what is left out (left_out.py), camera
+rays (rays.py) and scenes without shells (plain.py).
 
-Usage: run.py [--build FOLDER] [--quick] [--only transport|frames|rays] [--mesh MESH] [--mitsuba-python PYTHON]
+Usage: run.py [--build FOLDER] [--quick] [--only transport|frames|left-out|rays|plain] [--mesh MESH] [--mitsuba-python PYTHON]
 
 Prints tables and writes FOLDER/bench/transport.json, results.json and, where meshes are given, rays.json. Machines are
 noisy: compare numbers of one run with each other (ratios), not with those of another day.
@@ -13,6 +14,8 @@ import pathlib
 import subprocess
 import tempfile
 
+import left_out
+import plain
 import rays
 import transport
 
@@ -51,13 +54,17 @@ def frames(build, quick):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     transport.add_options(parser)
-    parser.add_argument("--only", choices=("transport", "frames", "rays"))
-    parser.add_argument("--mesh", type=pathlib.Path, action="append", default=[], help="for rays: OBJ, PLY, STL or OFF")
+    parser.add_argument("--only", choices=("transport", "frames", "left-out", "rays", "plain"))
+    parser.add_argument("--mesh", type=pathlib.Path, action="append", default=[], help="for rays, plain: OBJ, PLY, STL or OFF")
     arguments = parser.parse_args()
     if arguments.only in (None, "transport"):
         transport.main(arguments)
     if arguments.only in (None, "frames"):
         frames(arguments.build.resolve(), arguments.quick)
+    if arguments.only in (None, "left-out"):
+        left_out.measure(arguments.build.resolve(), rounds=1 if arguments.quick else 3)
+    if arguments.mesh and arguments.only in (None, "plain"):
+        plain.measure(arguments.build.resolve(), arguments.mesh, 2 if arguments.quick else 8)
     if arguments.mesh and arguments.only in (None, "rays"):
         rays.measure(arguments.build.resolve(), arguments.mesh)
 
