@@ -82,7 +82,8 @@ struct Renderer::Impl {
         std::string transport, integrator;
         struct Part {
             std::shared_ptr<const PreparedMesh> mesh;
-            int number = 0; // of ControlMesh::faceParts
+            int number = 0;        // of ControlMesh::faceParts
+            bool standsIn = false; // for a shell that is still to come, by its displayColor
         };
         std::vector<Part> parts; // none where nothing can be drawn
         std::vector<PlanEntry> plan;
@@ -426,7 +427,7 @@ void Renderer::Impl::placeInstances(const Scene& source) {
                 PreparedInstance placed = p;
                 placed.mesh = part.mesh;
                 const std::string& look = materialIdOf(m, part.number);
-                placed.material = placed.mesh->shell ? nullptr : materialOf(look, source);
+                placed.material = placed.mesh->shell || part.standsIn ? nullptr : materialOf(look, source);
                 if (placed.material && placed.material->usesUvs() && placed.mesh->surface->uvTriangles.empty()) {
                     say(Severity::Warning,
                         id + ": material " + look +
@@ -536,11 +537,15 @@ void Renderer::Impl::place(const Scene& source, bool draft, Progress& progress) 
         if (needed && !current) {
             if (!draft || !m.stf) {
                 prepareMesh(id, m, source.metersPerUnit(), k, progress);
-            } else if (k.parts.empty()) {
+            } else if (k.parts.empty() ||
+                       k.integrator != settings.integrator) { // shells of the reference have no tables
                 SceneMesh plain = m;
                 plain.stf.reset();
                 prepareMesh(id, plain, source.metersPerUnit(), k, progress);
-                k.meshVersion = 0; // its shell is still to come
+                k.meshVersion = 0;
+                for (Kept::Part& part : k.parts) {
+                    part.standsIn = true;
+                }
             }
         } else if (!needed) {
             k.plan = {{id, "mesh", false, m.visible ? "nothing to draw" : "invisible", 0}};

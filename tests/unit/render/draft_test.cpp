@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is shown while an edit is worked on, and passes that begin with few pixels.
+#include "stfLib/reference/reference_integrator.h"
 #include "stfLib/render/renderer.h"
 #include "stfLib/transport/precompute.h"
 #include "stfLib/volume/make_samples.h"
@@ -135,6 +136,18 @@ TEST_F(Drafts, AnEditedShellStaysAsItWasUntilItIsThere) {
     const std::vector<float> after = whole(renderer_);
     EXPECT_LT(green(after), 0.95 * green(before));
     EXPECT_EQ(after, fresh());
+}
+
+TEST_F(Drafts, AShellOfTheReferenceHasNoTablesToShow) {
+    Renderer renderer(tables(), {}, &ReferenceIntegrator::maker);
+    settings_.integrator = "reference";
+    setUp(renderer);
+    whole(renderer);
+    settings_.integrator = "stf";
+    setUp(renderer);
+    ASSERT_TRUE(renderer.prepareDraft(scene_, progress_));
+    EXPECT_NEAR(picture(renderer)[0], 0.5f, 1e-3f); // as its displayColor
+    EXPECT_EQ(whole(renderer), fresh());
 }
 
 TEST_F(Drafts, ThereIsNoneWhereItWouldShowNothingElse) {
