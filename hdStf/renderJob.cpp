@@ -115,6 +115,11 @@ void HdStfRenderJob::SetSettings(stf::RenderSettings const& settings, bool denoi
     _renderer.setSettings(settings);
 }
 
+void HdStfRenderJob::SetInteractive(bool interactive) {
+    StopRender();
+    _interactive = interactive;
+}
+
 void HdStfRenderJob::SetCamera(stf::Matrix4 const& worldToView, stf::Matrix4 const& projection,
                                stf::CameraOptics const& optics, HdStfWindow const& window,
                                stf::FrameWindow const& frame) {
@@ -260,18 +265,22 @@ void HdStfRenderJob::_Foresee(stf::Progress& progress) {
 // While what an edit made out of date is made anew, the host shows what there was before, under its new lights and in
 // its new places, and shells that come for the first time as plain surfaces.
 void HdStfRenderJob::_RenderDraft(stf::Progress& progress) {
-    if (_window.width * _window.height >= _leastPixels && _renderer.prepareDraft(_scene, progress)) {
+    if (_ShowsCoarse() && _renderer.prepareDraft(_scene, progress)) {
         _renderer.restart();
         _SetStage("draft", 0);
         _RenderFirstPass(progress, _draftSeconds);
     }
 }
 
+bool HdStfRenderJob::_ShowsCoarse() const {
+    return _interactive && double(_window.width) * double(_window.height) >= _leastPixels;
+}
+
 // The first pass, coarse pixels first; ends early, after those, when `seconds` are over. False where it was cancelled.
 bool HdStfRenderJob::_RenderFirstPass(stf::Progress& progress, double seconds) {
     const _Clock::time_point start = _Clock::now();
     for (const int stride : _strides) {
-        if (stride > 1 && _window.width * _window.height < _leastPixels) {
+        if (stride > 1 && !_ShowsCoarse()) {
             continue;
         }
         if (!_renderer.renderPass(progress, stride)) {

@@ -49,6 +49,8 @@ public:
 
     /// \p denoise: the converged colour is shown without its noise.
     void SetSettings(stf::RenderSettings const& settings, bool denoise);
+    /// Whether somebody looks on: pictures begin with coarse pixels and drafts.
+    void SetInteractive(bool interactive);
     /// \p window: the pixels of the AOV buffers that are rendered, rows from the bottom up. \p frame: which part they
     /// are of what the projection covers; as large as the window.
     void SetCamera(stf::Matrix4 const& worldToView, stf::Matrix4 const& projection, stf::CameraOptics const& optics,
@@ -85,6 +87,7 @@ private:
     void _RenderUntilConverged(stf::Progress& progress);
     void _RenderDraft(stf::Progress& progress);
     bool _RenderFirstPass(stf::Progress& progress, double seconds);
+    bool _ShowsCoarse() const;
     void _Foresee(stf::Progress& progress);
     void _WriteAovs(int stride = 1);
     void _WriteAov(HdRenderPassAovBinding const& binding, std::vector<int32_t> const& primIds, int stride);
@@ -108,6 +111,7 @@ private:
     HdStfWindow _window;
     bool _cameraUsable = false;
     bool _denoise = false;
+    bool _interactive = true;
     bool _wantsCoverage = false;
     stf::RenderSettings _settings;
     int _samplesWanted = 0;

@@ -93,6 +93,8 @@ bool HdStfRenderPass::_UpdateSettings() {
     _param.AcquireSceneForEdit().setMetersPerUnit(_delegate.GetMetersPerUnit());
     _job.SetSettings(_delegate.GetStfSettings(),
                      _delegate.GetRenderSetting<bool>(HdStfRenderSettingsTokens->denoise, false));
+    // Hosts that write frames say so (usdrecord, stfrecord): nobody looks on.
+    _job.SetInteractive(_delegate.GetRenderSetting<bool>(TfToken("enableInteractive"), true));
     return true;
 }
 
