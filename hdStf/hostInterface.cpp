@@ -74,7 +74,7 @@ nlohmann::json _Settings() {
             if (std::isfinite(row.most)) {
                 json["most"] = row.most;
             }
-            if (!row.choices.empty()) {
+            if (!row.choices.empty() && !row.several) {
                 json["choices"] = row.choices;
             }
         }

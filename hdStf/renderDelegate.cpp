@@ -282,6 +282,7 @@ stf::RenderSettings HdStfRenderDelegate::GetStfSettings() const {
     settings.irradianceCache =
         GetRenderSetting<bool>(HdStfRenderSettingsTokens->irradianceCache, settings.irradianceCache);
     settings.motionBlur = GetRenderSetting<bool>(HdStfRenderSettingsTokens->motionBlur, settings.motionBlur);
+    settings.exact = stf::Exactness::parse(GetRenderSetting<std::string>(HdStfRenderSettingsTokens->exact, ""));
     return settings;
 }
 

@@ -36,6 +36,12 @@ SettingRow oneOf(SettingRow row, std::vector<std::string> choices) {
     return row;
 }
 
+SettingRow someOf(SettingRow row, std::vector<std::string> choices) {
+    row = oneOf(std::move(row), std::move(choices));
+    row.several = true;
+    return row;
+}
+
 std::vector<SettingRow> makeTable() {
     const RenderSettings own;
     return {
@@ -90,6 +96,12 @@ std::vector<SettingRow> makeTable() {
          "off: everything is where it is at the frame's time"},
         {"stf:denoise", "Denoise the finished colour", false, "HDSTF_DENOISE",
          "the finished `color` is denoised (below)"},
+        someOf({"stf:exact", "Made finer, to measure errors", std::string(), "HDSTF_EXACT",
+                "approximations that finer ones take the place of, for measuring what they cost "
+                "([report.md](report.md)), names separated by commas: `levels`, samples are read at their finest from "
+                "any distance; `step`, a quarter of the march's; `coreTree`, sums over a core to a tenth of their "
+                "error; `voxels`, light is kept for voxels of half the edge; `directions`, tables have more of them"},
+               {"levels", "step", "coreTree", "voxels", "directions"}),
         {"dataWindowNDC", "Data window (x and y from, to; shares of the frame)", std::array<float, 4>{0, 0, 1, 1}, "",
          "the part of the frame that the buffers hold: x and y from, x and y to, shares of the frame from its lower "
          "left; may reach beyond 0 to 1"},
@@ -187,13 +199,32 @@ std::optional<bool> flagOfText(const std::string& text) {
     return text == "off" || text == "false" ? std::optional<bool>(false) : std::nullopt;
 }
 
+bool settingChooses(const SettingRow& row, const std::string& text) {
+    const auto isChoice = [&](const std::string& word) {
+        return std::count(row.choices.begin(), row.choices.end(), word) > 0;
+    };
+    if (row.choices.empty() || (row.several && text.empty())) {
+        return true;
+    }
+    if (!row.several) {
+        return isChoice(text);
+    }
+    std::istringstream words(text + ",");
+    for (std::string word; std::getline(words, word, ',');) {
+        if (!isChoice(word)) {
+            return false;
+        }
+    }
+    return true;
+}
+
 bool settingHolds(const SettingRow& row, double number) {
     return std::isfinite(number) && (row.aboveLeast ? number > row.least : number >= row.least) && number <= row.most;
 }
 
 bool settingTakes(const SettingRow& row, const std::string& text) {
     if (std::holds_alternative<std::string>(row.own)) {
-        return row.choices.empty() || std::count(row.choices.begin(), row.choices.end(), text) > 0;
+        return settingChooses(row, text);
     }
     char* end = nullptr;
     const std::optional<bool> flag = flagOfText(text);
@@ -215,8 +246,11 @@ bool settingTakes(const SettingRow& row, const std::string& text) {
 
 std::string settingRange(const SettingRow& row) {
     std::string text;
+    if (row.several) {
+        text = "any of ";
+    }
     for (const std::string& choice : row.choices) {
-        text += (text.empty() ? "`" : ", `") + choice + "`";
+        text += (text.empty() || text.back() == ' ' ? "`" : ", `") + choice + "`";
     }
     if (std::isfinite(row.most)) {
         return numberText(row.least) + " to " + numberText(row.most);

@@ -31,6 +31,7 @@ struct SettingRow {
     bool aboveLeast = false; ///< `least` itself is outside
     Outside outside = Outside::Refused;
     std::vector<std::string> choices = {}; ///< of text; empty: any
+    bool several = false;                  ///< of `choices`, separated by commas, or none
 };
 
 /// In the order in which panels show them.
@@ -53,6 +54,8 @@ std::string settingType(const SettingValue& value);
 std::string settingText(const SettingValue& value);
 /// What "on", "true", "off" and "false" say; nothing of any other text.
 std::optional<bool> flagOfText(const std::string& text);
+/// Whether a text is what a setting may be.
+bool settingChooses(const SettingRow& row, const std::string& text);
 /// Whether a number is within the range of a setting.
 bool settingHolds(const SettingRow& row, double number);
 /// Whether a setting that the environment gives as this text is taken (perhaps brought into its range).

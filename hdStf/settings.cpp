@@ -50,9 +50,8 @@ bool _IsWindow(GfVec4f const& window) {
 
 /// A value of the setting's type, within its range; empty where it is outside and is refused there.
 VtValue _InRange(stf::SettingRow const& row, VtValue const& value) {
-    if (value.IsHolding<std::string>() && !row.choices.empty()) {
-        std::string const& text = value.UncheckedGet<std::string>();
-        return std::count(row.choices.begin(), row.choices.end(), text) ? value : VtValue();
+    if (value.IsHolding<std::string>()) {
+        return stf::settingChooses(row, value.UncheckedGet<std::string>()) ? value : VtValue();
     }
     if (value.IsHolding<GfVec4f>()) {
         return _IsWindow(value.UncheckedGet<GfVec4f>()) ? value : VtValue();

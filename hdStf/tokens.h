@@ -13,7 +13,8 @@ PXR_NAMESPACE_OPEN_SCOPE
         (threads, "stf:threads"))((maxDepth, "stf:maxDepth"))((indirectClamp, "stf:indirectClamp"))(                   \
         (regularize, "stf:regularize"))((pixelFilter, "stf:pixelFilter"))((pixelFilterWidth, "stf:pixelFilterWidth"))( \
         (depthOfField, "stf:depthOfField"))((motionBlur, "stf:motionBlur"))((irradianceCache, "stf:irradianceCache"))( \
-        (denoise, "stf:denoise"))((dataWindowNDC, "dataWindowNDC"))((stageMetersPerUnit, "stageMetersPerUnit"))
+        (denoise, "stf:denoise"))((exact, "stf:exact"))((dataWindowNDC, "dataWindowNDC"))(                             \
+        (stageMetersPerUnit, "stageMetersPerUnit"))
 
 /// Constant primvars of StfShellAPI, as Hydra delivers them (without `primvars:`).
 #define HDSTF_PRIMVAR_TOKENS                                                                                           \

@@ -16,8 +16,8 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr std::size_t kMaxTermBytes = std::size_t(400) << 20;
 constexpr float kThin = 3, kThick = 5; ///< spread lengths between which walks give way to dipoles
 constexpr std::size_t kMostWalks = 512, kLeastWalks = 24;
-constexpr float kFar = 0.7f;                 ///< of the thickness: walks that end farther away are averaged
-constexpr float kSmooth = 0.6f;              ///< of the thickness: the radius within which
+constexpr float kFar = 0.7f;    ///< of the thickness: walks that end farther away are averaged
+constexpr float kSmooth = 0.6f; ///< of the thickness: the radius within which
 constexpr float kLeastSpacings = 2.5f, kSmoothSpacings = 4.5f; ///< that radius at least and at most
 constexpr std::size_t kGrain = 32;
 
@@ -83,8 +83,8 @@ CoreResponse::CoreResponse(const CoreMaterial& material, const SurfacePoints& sa
 }
 
 CoreResponse::CoreResponse(const CoreMaterial& material, const CoreBoundary& b, CoreModel model, std::uint64_t seed,
-                           Progress& progress, std::size_t walks)
-    : walkBudget_(walks) {
+                           Progress& progress, float epsilon, std::size_t walks)
+    : epsilon_(epsilon), walkBudget_(walks) {
     samples_.areas = b.samples.areas(b.points, b.triangles);
     for (float& a : samples_.areas) {
         a *= float(b.mmPerUnit * b.mmPerUnit);

@@ -38,9 +38,9 @@ public:
 
     /// Dipoles only. `epsilon` 0: direct sums.
     CoreResponse(const CoreMaterial& material, const SurfacePoints& samples, float epsilon = kEpsilon);
-    /// `walks`: together, of all samples; 24 to 512 each. Throws Cancelled.
+    /// `epsilon` as above. `walks`: together, of all samples; 24 to 512 each. Throws Cancelled.
     CoreResponse(const CoreMaterial& material, const CoreBoundary& boundary, CoreModel model, std::uint64_t seed,
-                 Progress& progress, std::size_t walks = kWalks);
+                 Progress& progress, float epsilon = kEpsilon, std::size_t walks = kWalks);
 
     CoreResponse(CoreResponse&&) = default;
     CoreResponse(const CoreResponse&) = delete;

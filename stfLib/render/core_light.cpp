@@ -19,10 +19,11 @@ namespace {
 
 constexpr float kPi = 3.14159265358979f;
 constexpr std::size_t kMinSamples = 400;
-constexpr std::size_t kMaxSamples = 24'000;             ///< more take longer than they show
-constexpr double kSpacing = 0.5;                        ///< of the spread length, between samples
-constexpr double kFinestSpacing = 0.45;                 ///< the same where thin parts ask for more
-constexpr std::size_t kProbes = 300;                    ///< of the thickness
+constexpr std::size_t kMaxSamples = 24'000; ///< more take longer than they show
+constexpr double kSpacing = 0.5;            ///< of the spread length, between samples
+constexpr double kFinestSpacing = 0.45;     ///< the same where thin parts ask for more
+constexpr std::size_t kProbes = 300;        ///< of the thickness
+constexpr float kFineTree = 0.1f * CoreResponse::kEpsilon;
 constexpr float kFilterSpacings = 1.8f;                 ///< radius within which samples make the exitance of a point
 constexpr std::uint64_t kIndirectSeed = 0x626f756e6365; ///< apart from those of lights
 constexpr int kIndirectTurns = 4;
@@ -160,7 +161,8 @@ std::shared_ptr<const ShellCore> ShellCores::prepare(const ShellObject& o, std::
         return std::string(text);
     };
     std::string sampleKey = hashOf(restPoints(o)) + hashOf(o.surface->triangles) + number(double(seed));
-    std::string key = hashOf(o.boundary->inner) + number(double(o.mmPerUnit)) + number(double(int(o.coreModel)));
+    std::string key = hashOf(o.boundary->inner) + number(double(o.mmPerUnit)) + number(double(int(o.coreModel))) +
+                      number(double(o.exact.coreTree));
     for (int c = 0; c < 3; ++c) {
         key += number(o.core.sigmaA[c]) + number(o.core.sigmaSPrime[c]);
     }
@@ -177,7 +179,8 @@ std::shared_ptr<const ShellCore> ShellCores::prepare(const ShellObject& o, std::
         }
         const CoreBoundary boundary{o.boundary->inner, o.surface->triangles, o.surface->normals,
                                     *o.rayMesh,        *made->samples,       double(o.mmPerUnit)};
-        made->response = std::make_shared<const CoreResponse>(o.core, boundary, o.coreModel, seed, progress);
+        made->response = std::make_shared<const CoreResponse>(o.core, boundary, o.coreModel, seed, progress,
+                                                              o.exact.coreTree ? kFineTree : CoreResponse::kEpsilon);
         const SurfacePoints& samples = made->response->samples();
         double area = 0;
         for (float a : samples.areas) {
@@ -235,7 +238,7 @@ struct CoreLighting::Impl {
     Place placeOf(std::size_t sample) const {
         const TrianglePlace at = core->samples->places[sample];
         const ShellLookup frame = frameAt(object, at.triangle, at.b1, at.b2);
-        const Vec3d& voxel = object.volume->voxelMm;
+        const Vec3d& voxel = object.lit->voxelMm;
         const Vec3i size = object.table->size;
         const int ix = TileTracer::wrap(int(std::floor(frame.exemplar.x / float(voxel.x))), size.x);
         const int iy = TileTracer::wrap(int(std::floor(frame.exemplar.y / float(voxel.y))), size.y);

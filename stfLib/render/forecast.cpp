@@ -2,7 +2,7 @@
 #include "stfLib/render/forecast.h"
 
 #include "stfLib/render/light_set.h"
-#include "stfLib/render/shell_object.h"
+#include "stfLib/render/shell_material.h"
 #include "stfLib/synthesis/choose_mapping.h"
 #include "stfLib/transport/precompute.h"
 #include "stfLib/volume/volume_io.h"
@@ -103,9 +103,8 @@ private:
         add(id, "load", true, binding.authoredPath.empty() ? binding.baseVolume : binding.authoredPath, since(start));
         const double mmPerUnit = scene_.metersPerUnit() * 1000 / double(binding.scale);
         const double depth = volume.extentMm().z;
-        const double wanted = binding.thickness > 0 ? double(binding.thickness) * mmPerUnit : depth;
         const MappingChoice choice = mapping(mesh, m.refineLevel, binding, volume, depth / mmPerUnit);
-        const int layers = std::clamp(int(std::lround(std::min(wanted, depth) / volume.voxelMm.z)), 1, volume.size.z);
+        const int layers = layersOfShell(volume, double(binding.thickness) * mmPerUnit);
         if (layers < volume.size.z) {
             volume = cropDepth(volume, layers);
         }
@@ -128,10 +127,7 @@ private:
     }
 
     void transport(const std::string& id, const StfBinding& binding, const BaseVolume& volume) {
-        TransportOptions options;
-        options.quality = binding.quality > 0 ? binding.quality : settings_.quality;
-        options.seed = settings_.tableSeed;
-        options.form = parseTransportForm(binding.transport.empty() ? settings_.transport : binding.transport);
+        const TransportOptions options = tableOptions(binding, settings_, {});
         const TileMedium medium(volume, options.form);
         const std::string key = volume.contentHash() + ";" + options.key();
         if (!medium.scatters()) {

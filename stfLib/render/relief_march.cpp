@@ -23,7 +23,7 @@ Vec3f voxelsPerMm(const TileMedium& medium) {
 
 ReliefMarch::ReliefMarch(const ShellObject& object, ShellProbe& probe, TileMarch& tile, const Rgb* core, int level,
                          const ShellLight* lights, int lightCount, PixelSampler& sampler)
-    : object_(object), probe_(probe), tile_(tile), core_(core), level_(level), step_(object.grid->voxelSize(level)),
+    : object_(object), probe_(probe), tile_(tile), core_(core), level_(level), step_(object.marchStep(level)),
       perMm_(voxelsPerMm(*object.medium)), lights_(lights, lightCount), sampler_(sampler) {}
 
 // Roulette on paths that are caught, or hardly count. False where the path ends.

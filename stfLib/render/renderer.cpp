@@ -58,6 +58,12 @@ const std::string& materialIdOf(const SceneMesh& m, int part) {
                                                                    : m.material;
 }
 
+// Whether the shells of one are those of the other.
+bool shellsAgree(const RenderSettings& a, const RenderSettings& b) {
+    return a.quality == b.quality && a.tableSeed == b.tableSeed && a.transport == b.transport &&
+           a.integrator == b.integrator && a.exact == b.exact;
+}
+
 } // namespace
 
 struct Renderer::Impl {
@@ -77,9 +83,7 @@ struct Renderer::Impl {
     struct Kept {
         std::uint64_t meshVersion = 0, stfVersion = 0;
         double metersPerUnit = 0;
-        float quality = 0;
-        std::uint64_t tableSeed = 0;
-        std::string transport, integrator;
+        RenderSettings settings;
         struct Part {
             std::shared_ptr<const PreparedMesh> mesh;
             int number = 0;        // of ControlMesh::faceParts
@@ -172,10 +176,7 @@ void Renderer::Impl::prepareMesh(const std::string& id, const SceneMesh& m, doub
     k.meshVersion = m.meshVersion;
     k.stfVersion = m.stfVersion;
     k.metersPerUnit = metersPerUnit;
-    k.quality = settings.quality;
-    k.tableSeed = settings.tableSeed;
-    k.transport = settings.transport;
-    k.integrator = settings.integrator;
+    k.settings = settings;
     k.parts.clear();
     k.plan.clear();
     ControlMesh mesh = *m.mesh;
@@ -506,9 +507,7 @@ std::vector<std::string> Renderer::objectNames() const {
 bool Renderer::Impl::upToDate(const Scene& source) const {
     return scene && settings.maxDepth == preparedSettings.maxDepth &&
            settings.irradianceCache == preparedSettings.irradianceCache && source.version() == preparedVersion &&
-           settings.quality == preparedSettings.quality && settings.transport == preparedSettings.transport &&
-           settings.integrator == preparedSettings.integrator && settings.seed == preparedSettings.seed &&
-           settings.tableSeed == preparedSettings.tableSeed &&
+           shellsAgree(settings, preparedSettings) && settings.seed == preparedSettings.seed &&
            (!hasMotion || camera.optics().shutter == preparedShutter);
 }
 
@@ -531,14 +530,12 @@ void Renderer::Impl::place(const Scene& source, bool draft, Progress& progress) 
         Kept& k = kept[id];
         const bool needed = m.visible && m.mesh && !m.instances.empty();
         const bool current = k.meshVersion == m.meshVersion && k.stfVersion == m.stfVersion &&
-                             k.metersPerUnit == source.metersPerUnit() && k.quality == settings.quality &&
-                             k.tableSeed == settings.tableSeed && k.transport == settings.transport &&
-                             k.integrator == settings.integrator;
+                             k.metersPerUnit == source.metersPerUnit() && shellsAgree(k.settings, settings);
         if (needed && !current) {
             if (!draft || !m.stf) {
                 prepareMesh(id, m, source.metersPerUnit(), k, progress);
             } else if (k.parts.empty() ||
-                       k.integrator != settings.integrator) { // shells of the reference have no tables
+                       k.settings.integrator != settings.integrator) { // shells of the reference have no tables
                 SceneMesh plain = m;
                 plain.stf.reset();
                 prepareMesh(id, plain, source.metersPerUnit(), k, progress);

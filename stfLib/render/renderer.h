@@ -3,6 +3,7 @@
 
 #include "stfLib/base/progress.h"
 #include "stfLib/render/camera.h"
+#include "stfLib/render/exactness.h"
 #include "stfLib/render/film.h"
 #include "stfLib/render/path_tracer.h"
 #include "stfLib/render/scene.h"
@@ -38,12 +39,13 @@ struct RenderSettings {
     /// Shells read light of other surfaces where it is kept for samples of theirs; else paths look for it.
     bool irradianceCache = true;
     bool motionBlur = true; ///< what moves while the shutter is open is blurred
+    Exactness exact;        ///< what is finer than usual, to measure errors
     bool operator==(const RenderSettings& s) const {
         return samples == s.samples && seed == s.seed && errorTarget == s.errorTarget && threads == s.threads &&
                quality == s.quality && tableSeed == s.tableSeed && transport == s.transport && maxDepth == s.maxDepth &&
                indirectClamp == s.indirectClamp && regularize == s.regularize && pixelFilter == s.pixelFilter &&
                pixelFilterWidth == s.pixelFilterWidth && depthOfField == s.depthOfField && integrator == s.integrator &&
-               motionBlur == s.motionBlur && irradianceCache == s.irradianceCache;
+               motionBlur == s.motionBlur && irradianceCache == s.irradianceCache && exact == s.exact;
     }
 };
 

@@ -147,7 +147,8 @@ ReliefRadiance ShellMarch::marchRelief(const ReliefEntry& entry, float footprint
                                        int lightCount, PixelSampler& sampler) {
     TileMarch& tile = tiles_.front(); // a relief has no coarser levels
     tile.begin(sampler, TileMarch::shiftFor(footprintMm, object_.medium->voxelMm()));
-    return ReliefMarch(object_, probe_, tile, core_, object_.grid->levelFor(footprintMm), lights, lightCount, sampler)
+    return ReliefMarch(object_, probe_, tile, core_, object_.grid->levelFor(object_.levelFootprint(footprintMm)),
+                       lights, lightCount, sampler)
         .march(entry);
 }
 
@@ -155,14 +156,15 @@ ShellRadiance ShellMarch::march(const Vec3f& entry, std::uint32_t triangle, cons
                                 const ShellLight* lights, int lightCount, PixelSampler& sampler,
                                 const ShellSpan& span) {
     const ShellObject& o = object_;
+    const float levelFootprint = o.levelFootprint(footprintMm);
     // Nothing is drawn where there is nothing to choose.
     const bool choose = tiles_.size() > 1 && footprintMm > 0;
-    const int tileLevel = choose ? o.pyramid->levelFor(footprintMm, sampler.next1d()) : 0;
+    const int tileLevel = choose ? o.pyramid->levelFor(levelFootprint, sampler.next1d()) : 0;
     TileMarch& tile = tiles_[std::size_t(tileLevel)];
     const Vec3d& voxelMm = o.pyramid->levels()[std::size_t(tileLevel)].medium->voxelMm();
     const Vec3f perMm{float(1 / voxelMm.x), float(1 / voxelMm.y), float(1 / voxelMm.z)};
-    const int level = o.grid->levelFor(footprintMm);
-    const float step = o.grid->voxelSize(level);
+    const int level = o.grid->levelFor(levelFootprint);
+    const float step = o.marchStep(level);
     TileLights tileLights(lights, lightCount);
     tile.begin(sampler, TileMarch::shiftFor(footprintMm, voxelMm));
     probe_.enter(triangle);

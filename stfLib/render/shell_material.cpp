@@ -2,7 +2,6 @@
 #include "stfLib/render/shell_material.h"
 
 #include "stfLib/optics/property_table.h"
-#include "stfLib/transport/precompute.h"
 #include "stfLib/volume/volume_io.h"
 #include "stfLib/volume/volume_statistics.h"
 
@@ -113,7 +112,29 @@ std::string describe(const StfTable& table, const TileMedium& medium) {
     return s.str();
 }
 
+float qualityOf(const StfBinding& binding, const RenderSettings& settings) {
+    const float quality = binding.quality > 0 ? binding.quality : settings.quality;
+    if (!(quality > 0) || !std::isfinite(quality)) {
+        throw Error("stf:quality must be positive and finite");
+    }
+    return quality;
+}
+
 } // namespace
+
+TransportOptions tableOptions(const StfBinding& binding, const RenderSettings& settings, const MessageSink& messages) {
+    TransportOptions options;
+    options.quality = qualityOf(binding, settings);
+    options.seed = settings.tableSeed;
+    options.form = formOf(binding, settings, messages);
+    options.fineDirections = settings.exact.directions;
+    return options;
+}
+
+int layersOfShell(const BaseVolume& sample, double wantedMm) {
+    const double depth = sample.extentMm().z, wanted = wantedMm > 0 ? std::min(wantedMm, depth) : depth;
+    return std::clamp(int(std::lround(wanted / sample.voxelMm.z)), 1, sample.size.z);
+}
 
 std::shared_ptr<const BaseVolume> ShellMaterials::volume(const std::string& path) {
     namespace fs = std::filesystem;
@@ -139,7 +160,7 @@ std::string ShellMaterials::contentHash(const std::shared_ptr<const BaseVolume>&
 
 void ShellMaterials::addLevels(const StfBinding& binding, bool blends, const ShellStage& stage, ShellObject& o) {
     if (isTraced(stage)) {
-        o.pyramid = std::make_shared<const TilePyramid>(*o.volume, o.medium, o.table);
+        o.pyramid = std::make_shared<const TilePyramid>(*o.lit, o.medium, o.table);
         if (blends) {
             o.mixers = {std::make_shared<const HistogramBlend>(*o.medium, nullptr, false)};
             report(stage.messages, Severity::Warning,
@@ -151,12 +172,12 @@ void ShellMaterials::addLevels(const StfBinding& binding, bool blends, const She
     const StageTimer timer;
     std::ostringstream key;
     key << static_cast<const void*>(o.table.get()) << ";" << static_cast<const void*>(o.medium.get()) << ";"
-        << !o.coreBlack << ";" << qualityOf(binding, stage);
+        << !o.coreBlack << ";" << qualityOf(binding, stage.settings);
     o.pyramid = pyramids_.find(key.str());
     const bool kept = o.pyramid != nullptr;
     if (!kept) {
-        o.pyramid = pyramids_.keep(key.str(), TilePyramid(*o.volume, o.medium, o.table, !o.coreBlack,
-                                                          kLevelError * double(qualityOf(binding, stage))));
+        o.pyramid = pyramids_.keep(key.str(), TilePyramid(*o.lit, o.medium, o.table, !o.coreBlack,
+                                                          kLevelError * double(qualityOf(binding, stage.settings))));
     }
     const std::size_t coarser = o.pyramid->levels().size() - 1;
     std::ostringstream text;
@@ -211,8 +232,7 @@ void ShellMaterials::crop(const StfBinding& binding, const ShellStage& stage, Sh
           << " mm deep; the shell is as deep as the sample";
         report(stage.messages, Severity::Warning, s.str());
     }
-    const int layers =
-        std::clamp(int(std::lround(std::min(wantedMm, depthMm) / o.source->voxelMm.z)), 1, o.source->size.z);
+    const int layers = layersOfShell(*o.source, wantedMm);
     o.volume = o.source;
     if (layers < o.source->size.z) {
         const std::string key = contentHash(o.source) + ";" + std::to_string(layers);
@@ -224,36 +244,43 @@ void ShellMaterials::crop(const StfBinding& binding, const ShellStage& stage, Sh
     o.thicknessMm = float(o.volume->extentMm().z);
 }
 
-float ShellMaterials::qualityOf(const StfBinding& binding, const ShellStage& stage) {
-    const float quality = binding.quality > 0 ? binding.quality : stage.settings.quality;
-    if (!(quality > 0) || !std::isfinite(quality)) {
-        throw Error("stf:quality must be positive and finite");
+// What light is kept for: the shell's voxels, or halves of them. Layout and grid stay as they are.
+void ShellMaterials::subdivideLit(const ShellStage& stage, ShellObject& o) {
+    o.lit = o.volume;
+    if (!o.exact.voxels || isTraced(stage)) {
+        return;
     }
-    return quality;
+    const std::string key = contentHash(o.volume) + ";halves";
+    o.lit = crops_.find(key);
+    if (!o.lit) {
+        try {
+            o.lit = crops_.keep(key, subdivide(*o.volume));
+        } catch (const Error& e) {
+            o.lit = o.volume;
+            report(stage.messages, Severity::Warning, std::string("stf:exact: voxels: ") + e.what());
+        }
+    }
 }
 
 void ShellMaterials::addTransport(const StfBinding& binding, const ShellStage& stage, ShellObject& o) {
     const StageTimer timer;
     if (isTraced(stage)) {
         // What the first hits of pixels are found by; there is no light in the table.
-        o.medium = std::make_shared<const TileMedium>(*o.volume, TransportForm::Classic);
+        o.medium = std::make_shared<const TileMedium>(*o.lit, TransportForm::Classic);
         o.table = std::make_shared<const StfTable>();
         stage.note("transport", false, "path traced", 0);
         return;
     }
-    TransportOptions options;
-    options.quality = qualityOf(binding, stage);
-    options.seed = stage.settings.tableSeed;
-    options.form = formOf(binding, stage.settings, stage.messages);
-    const std::string key = contentHash(o.volume) + ";" + options.key();
+    const TransportOptions options = tableOptions(binding, stage.settings, stage.messages);
+    const std::string key = contentHash(o.lit) + ";" + options.key();
     const auto met = transports_.find(key);
     const bool kept = met != transports_.end();
     Transport transport;
     if (kept) {
         transport = met->second;
     } else {
-        transport.medium = std::make_shared<const TileMedium>(*o.volume, options.form);
-        transport.table = tables_(o.volume, options, stage.progress, stage.messages);
+        transport.medium = std::make_shared<const TileMedium>(*o.lit, options.form);
+        transport.table = tables_(o.lit, options, stage.progress, stage.messages);
     }
     try {
         readParts(*transport.table, *transport.medium, o.coreBlack);
@@ -298,7 +325,9 @@ void ShellMaterials::prepare(const StfBinding& binding, double metersPerUnit, co
     stage.note("load", true, asset, timer.seconds());
 
     o.mmPerUnit = float(metersPerUnit * 1000.0 / double(binding.scale));
+    o.exact = stage.settings.exact;
     crop(binding, stage, o);
+    subdivideLit(stage, o);
     std::string coreWhy;
     o.core = coreOf(binding, *o.volume, coreWhy, stage.messages);
     o.coreModel = modelOf(binding);

@@ -4,8 +4,15 @@
 #include "stfLib/render/shell_object.h"
 #include "stfLib/render/shell_stage.h"
 #include "stfLib/render/stage_cache.h"
+#include "stfLib/transport/precompute.h"
 
 namespace stf {
+
+/// The tables that a binding asks for, or else the settings. Throws Error on a quality that is none; a form that does
+/// not exist is reported, and the default taken.
+TransportOptions tableOptions(const StfBinding& binding, const RenderSettings& settings, const MessageSink& messages);
+/// Layers of a sample that a shell shows: `wantedMm` deep, or all where that is 0 or more than there are.
+int layersOfShell(const BaseVolume& sample, double wantedMm);
 
 /// The stages of a shell that do not depend on the mesh: base volumes, their crops, transport tables and the core.
 class ShellMaterials {
@@ -33,8 +40,8 @@ private:
     };
 
     std::shared_ptr<const BaseVolume> volume(const std::string& path);
-    static float qualityOf(const StfBinding& binding, const ShellStage& stage);
     void crop(const StfBinding& binding, const ShellStage& stage, ShellObject& shell);
+    void subdivideLit(const ShellStage& stage, ShellObject& shell);
     void addTransport(const StfBinding& binding, const ShellStage& stage, ShellObject& shell);
 
     TableProvider tables_;

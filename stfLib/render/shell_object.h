@@ -2,6 +2,7 @@
 #pragma once
 
 #include "stfLib/core/core_response.h"
+#include "stfLib/render/exactness.h"
 #include "stfLib/render/tile_pyramid.h"
 #include "stfLib/shell/posed_shell.h"
 #include "stfLib/surface/ray_scene.h"
@@ -20,6 +21,7 @@ namespace stf {
 struct ShellObject {
     std::shared_ptr<const BaseVolume> source; ///< as read from its file
     std::shared_ptr<const BaseVolume> volume; ///< cropped to the shell's depth; `source` where that is all of it
+    std::shared_ptr<const BaseVolume> lit;    ///< what `table` and `medium` are made of: `volume`, perhaps subdivided
     std::shared_ptr<const StfTable> table;
     std::shared_ptr<const TileMedium> medium;                  ///< of the table's form
     std::shared_ptr<const RefinedSurface> surface;             ///< as it is seen
@@ -35,9 +37,15 @@ struct ShellObject {
     CoreMaterial core;
     CoreModel coreModel = CoreModel::Auto;
     bool coreBlack = true;
+    Exactness exact;
     float mmPerUnit = 1; ///< tile millimetres per object unit
     float thicknessMm = 0;
     float blurRadiusMm = 0; ///< over which visibility is averaged for multiple scattering (DESIGN 3.12)
+
+    /// By which a pixel of this width chooses the levels of grid and sample that it reads.
+    float levelFootprint(float footprintMm) const { return exact.levels ? 0.0f : footprintMm; }
+    /// Of a march at a level of the grid, object units.
+    float marchStep(int level) const { return grid->voxelSize(level) * (exact.step ? 0.25f : 1.0f); }
 };
 
 } // namespace stf

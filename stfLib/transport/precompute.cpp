@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kAlgorithm = 8; // raise with every change that changes tables
 // Shares of the wanted error that each source may take; noise gets what they leave.
-constexpr double kDirectionShare = 0.45, kFilterShare = 0.75;
+constexpr double kDirectionShare = 0.45, kFineShare = kDirectionShare / 4, kFilterShare = 0.75;
 constexpr double kLeastShare = 0.1; // TileWalks::weight
 const Vec3f kPilotLights[] = {{0, 0, 1}, {0.7071068f, 0, 0.7071068f}};
 constexpr std::uint64_t kPilots = 1ull << 41; // numbers of these sources
@@ -84,8 +84,8 @@ private:
         const std::vector<ReadGroups> plain = pilots();
         const double wanted = double(c_.options.quality) / c_.weight;
         const DirectionChoice choice =
-            chooseDirections(c_.medium, c_.walks, kDirectionShare * wanted, c_.options.polars,
-                             c_.columns == 1 ? 1 : c_.options.azimuths, c_.pilotPhotons);
+            chooseDirections(c_.medium, c_.walks, (c_.options.fineDirections ? kFineShare : kDirectionShare) * wanted,
+                             c_.options.polars, c_.columns == 1 ? 1 : c_.options.azimuths, c_.pilotPhotons);
         t.directions = choice.set;
         t.error.directions = choice.error * c_.weight;
         const std::size_t perDirection = c_.medium.voxelCount() * std::size_t(c_.walks.components()) * sizeof(float);
@@ -201,7 +201,8 @@ private:
 std::string TransportOptions::key() const {
     std::ostringstream s;
     s << name(form) << ";v" << kAlgorithm << ";q" << quality << ";s" << seed << ";n" << maxPhotons << ";p" << polars
-      << ";a" << azimuths << (filter ? "" : ";unfiltered") << (openBottom ? ";open" : "");
+      << ";a" << azimuths << (filter ? "" : ";unfiltered") << (openBottom ? ";open" : "")
+      << (fineDirections ? ";finer" : "");
     return s.str();
 }
 

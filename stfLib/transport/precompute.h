@@ -16,9 +16,10 @@ struct TransportOptions {
     bool openBottom = false; ///< the bottom is an interface to outside too, for slabs without a core
     /// Photons of the whole table and channel; reported where it keeps the error above the target.
     std::uint64_t maxPhotons = 150'000'000;
-    int polars = 0;     ///< polar nodes below 90 degrees; 0: chosen
-    int azimuths = 0;   ///< azimuths of each ring, 1 or even; 0: chosen
-    bool filter = true; ///< lateral filter against noise, as wide as its bias allows
+    int polars = 0;              ///< polar nodes below 90 degrees; 0: chosen
+    int azimuths = 0;            ///< azimuths of each ring, 1 or even; 0: chosen
+    bool fineDirections = false; ///< enough for a quarter of the error that directions may make
+    bool filter = true;          ///< lateral filter against noise, as wide as its bias allows
 
     /// Names these options and the version of the algorithm; with the volume's hash, the key of a cached table.
     std::string key() const;

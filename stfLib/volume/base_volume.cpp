@@ -100,6 +100,38 @@ BaseVolume cropDepth(const BaseVolume& volume, int layers) {
     return v;
 }
 
+BaseVolume subdivide(const BaseVolume& volume) {
+    if (!volume.surface.empty()) {
+        throw Error("a sample with a relief is not subdivided");
+    }
+    if (8 * volume.voxelCount() > kMaxVoxels) {
+        throw Error("the sample is too large to be subdivided");
+    }
+    BaseVolume v = volume;
+    v.size = {2 * volume.size.x, 2 * volume.size.y, 2 * volume.size.z};
+    v.voxelMm = volume.voxelMm * 0.5;
+    const auto cut = [&](auto& values) {
+        if (values.empty()) {
+            return;
+        }
+        const auto coarse = values;
+        values.resize(v.voxelCount());
+        for (int z = 0; z < v.size.z; ++z) {
+            for (int y = 0; y < v.size.y; ++y) {
+                for (int x = 0; x < v.size.x; ++x) {
+                    values[v.index(x, y, z)] = coarse[volume.index(x / 2, y / 2, z / 2)];
+                }
+            }
+        }
+    };
+    cut(v.extinction);
+    cut(v.albedo);
+    cut(v.g);
+    cut(v.ior);
+    cut(v.emission);
+    return v;
+}
+
 bool BaseVolume::laterallyUniform() const {
     const std::size_t layer = std::size_t(size.x) * std::size_t(size.y);
     for (std::size_t i = 0; i < voxelCount(); ++i) {

@@ -47,6 +47,10 @@ constexpr std::size_t kMaxVoxels = std::size_t(1) << 27;
 /// The upper `layers` layers of a volume (1 to size.z).
 BaseVolume cropDepth(const BaseVolume& volume, int layers);
 
+/// The same medium with every voxel cut into eight. Throws Error where it has a relief (a distance is not constant over
+/// a voxel) or too many voxels then.
+BaseVolume subdivide(const BaseVolume& volume);
+
 /// Throws Error naming the grid, how many values are wrong and the first of them: not finite, negative extinction,
 /// albedo outside 0..1, |g| >= 1, index of refraction outside 0.1..10, wrong array sizes, zero or absurd tile sizes.
 void validate(const BaseVolume& volume);

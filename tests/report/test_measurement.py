@@ -66,7 +66,10 @@ def test_everything_within_the_time(measured):
     assert sorted(found.stf) == [1, 2, 4, 8, 16, 32, 64, 128]
     assert {r.name for r in found.sources.rows} == {
         "resolution of tables", "noise of tables", "core model", "irradiance cache", "bounces off surfaces",
-        "regularization", "form of anisotropy"}
+        "regularization", "form of anisotropy", "step of the march", "coarser levels of shell and sample",
+        "sums over the core"}
+    # Tables of many directions, and for halved voxels, take longer.
+    assert ("direction resolution", "the time did not suffice") in found.sources.left_out
     assert max(found.reference) >= 64 and "--mitsuba-python" in found.mitsuba.why
     # The halves share neither samples nor tables, the runs of the reference no seed.
     for pair in (found.cold, *found.stf.values()):
@@ -75,6 +78,17 @@ def test_everything_within_the_time(measured):
         assert a != b and ta != tb
     seeds = [c[1] for c in fake.calls if c[0].startswith("reference")]
     assert len(set(seeds)) == len(seeds) and not set(seeds) & {0, 1}
+
+
+def test_resolutions_of_tables_are_free_of_their_noise(measured):
+    found, fake = measured(usual, limit=2000)
+    runs = {c[0]: c for c in fake.calls}
+    rows = {r.name: r for r in found.sources.rows}
+    for name, flag in (("direction resolution", "directions"), ("voxel resolution of tables", "voxels")):
+        assert [runs[r.name][1:3] for r in rows[name].changed] == [(0, 0), (1, 1)]  # seeds of samples and of tables
+        assert [runs[r.name][1:3] for r in rows[name].limit] == [(0, 0), (1, 1)]
+        settings = [{runs[r.name][3]["stf:exact"] for r in side} for side in (rows[name].changed, rows[name].limit)]
+        assert settings == [{"levels,step,coreTree"}, {f"levels,step,coreTree,{flag}"}]
 
 
 def test_what_takes_too_long_leaves_time_for_the_reference(measured):

@@ -41,6 +41,7 @@ nlohmann::ordered_json asJson() {
         }
         if (!row.choices.empty()) {
             j["choices"] = row.choices;
+            j["several"] = row.several;
         }
         settings.push_back(j);
     }

@@ -241,6 +241,13 @@ TEST_F(SceneEdits, SettingsEqualFreshRenderer) {
     EXPECT_EQ(tables_, 3);
     Renderer fresh;
     EXPECT_EQ(seeded, render(fresh));
+    settings_.exact.voxels = true;
+    const std::vector<float> halved = render(renderer);
+    EXPECT_EQ(tables_, 4);
+    Renderer finer;
+    EXPECT_EQ(halved, render(finer));
+    settings_.exact = {};
+    EXPECT_EQ(seeded, render(renderer));
 }
 
 // A million units from the origin the image is that of the origin: what is single precision is relative to the scene.

@@ -4,6 +4,7 @@
 
 #include "hdStf/settingDocs.h"
 #include "stfLib/base/error.h"
+#include "stfLib/render/exactness.h"
 #include "stfLib/render/pixel_filter.h"
 
 #include <filesystem>
@@ -78,6 +79,8 @@ TEST(SettingTable, ChoicesAreThoseThatTheRendererKnows) {
             PixelFilter::Shape shape;
             if (row.key == "stf:pixelFilter") {
                 EXPECT_TRUE(PixelFilter::shapeFromName(choice, shape)) << choice;
+            } else if (row.key == "stf:exact") {
+                EXPECT_NE(Exactness::parse(choice), Exactness()) << choice;
             } else {
                 EXPECT_TRUE(row.key == "stf:transport" || row.key == "stf:integrator") << row.key;
             }
@@ -99,6 +102,25 @@ TEST(SettingTable, RangesInWords) {
     SettingRow word;
     word.choices = {"a", "b"};
     EXPECT_EQ(settingRange(word), "`a`, `b`");
+    word.several = true;
+    EXPECT_EQ(settingRange(word), "any of `a`, `b`");
+}
+
+TEST(SettingTable, SeveralChoicesAtOnce) {
+    SettingRow row;
+    row.own = std::string();
+    row.choices = {"a", "b"};
+    EXPECT_TRUE(settingChooses(row, "a"));
+    EXPECT_FALSE(settingChooses(row, "")) << "one has to be chosen";
+    EXPECT_FALSE(settingChooses(row, "a,b"));
+    row.several = true;
+    for (const char* text : {"", "a", "b", "a,b", "b,a"}) {
+        EXPECT_TRUE(settingChooses(row, text)) << text;
+        EXPECT_TRUE(settingTakes(row, text)) << text;
+    }
+    for (const char* text : {"c", "a,c", "a,", ",a", "a b", ","}) {
+        EXPECT_FALSE(settingChooses(row, text)) << text;
+    }
 }
 
 TEST(SettingTable, ValuesInWords) {

@@ -160,6 +160,36 @@ TEST(CropDepth, ClampsTheNumberOfLayers) {
     EXPECT_TRUE(cropDepth(bare, 3).g.empty());
 }
 
+TEST(Subdivide, EveryVoxelBecomesEight) {
+    BaseVolume v = varied({4, 3, 5});
+    v.surface.clear();
+    const BaseVolume fine = subdivide(v);
+    EXPECT_EQ(fine.size, Vec3i(8, 6, 10));
+    EXPECT_EQ(fine.extentMm(), v.extentMm());
+    EXPECT_NO_THROW(validate(fine));
+    for (int z = 0; z < 10; ++z) {
+        for (int y = 0; y < 6; ++y) {
+            for (int x = 0; x < 8; ++x) {
+                const std::size_t i = fine.index(x, y, z), j = v.index(x / 2, y / 2, z / 2);
+                ASSERT_EQ(fine.extinction[i], v.extinction[j]);
+                ASSERT_EQ(fine.albedo[i], v.albedo[j]);
+                ASSERT_EQ(fine.g[i], v.g[j]);
+                ASSERT_EQ(fine.ior[i], v.ior[j]);
+                ASSERT_EQ(fine.emission[i], v.emission[j]);
+            }
+        }
+    }
+    EXPECT_EQ(fine.coreSigmaSPrime, v.coreSigmaSPrime);
+    EXPECT_TRUE(subdivide(homogeneous({2, 2, 4}, {1, 1, 1}, Rgb(1.0f), Rgb(0.5f))).g.empty());
+}
+
+TEST(Subdivide, NeitherReliefsNorTooManyVoxels) {
+    EXPECT_THROW(subdivide(varied({4, 3, 5})), Error);
+    BaseVolume large;
+    large.size = {512, 256, 256}; // no values: it is refused before any is read
+    EXPECT_THROW(subdivide(large), Error);
+}
+
 TEST(BaseVolume, LaterallyUniform) {
     BaseVolume v = homogeneous({3, 2, 4}, {1, 1, 1}, Rgb(1.0f), Rgb(0.5f), 0.3f);
     EXPECT_TRUE(v.laterallyUniform());
