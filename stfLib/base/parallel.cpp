@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stfLib/base/parallel.h"
 #include "stfLib/base/tbb_guard.h"
+#include "stfLib/base/thread_sanitizer.h"
 
 #include <algorithm>
 #include <atomic>
@@ -29,13 +30,17 @@ void parallelFor(std::size_t count, std::size_t grain, const std::function<void(
     }
     grain = std::max<std::size_t>(1, grain);
     const std::size_t chunks = (count + grain - 1) / grain;
+    char begun = 0, done = 0;
+    sanitizerGive(&begun);
     const auto loop = [&] {
         tbb::parallel_for(
             tbb::blocked_range<std::size_t>(0, chunks, 1),
             [&](const tbb::blocked_range<std::size_t>& r) {
+                sanitizerTake(&begun);
                 for (std::size_t c = r.begin(); c != r.end(); ++c) {
                     body(c * grain, std::min(count, (c + 1) * grain));
                 }
+                sanitizerGive(&done);
             },
             tbb::simple_partitioner());
     };
@@ -45,6 +50,7 @@ void parallelFor(std::size_t count, std::size_t grain, const std::function<void(
     } else {
         loop();
     }
+    sanitizerTake(&done);
 }
 
 } // namespace stf

@@ -9,7 +9,6 @@ namespace stf {
 namespace {
 
 constexpr float kPi = 3.14159265358979f;
-constexpr int kMaxThrough = 64; ///< shells and clear surfaces along a shadow ray
 /// A path in the scene of whose light less is left goes on with the chance that makes up for it.
 constexpr float kFaint = 0.25f;
 
@@ -75,9 +74,10 @@ PixelSample ReferenceIntegrator::sample(const Ray& first, float time, PixelSampl
             add(path_.throughput * scene_.lights.mirrored(ray.origin, ray.direction, ray.tNear, tMax, 0, path_.links) *
                 visited_.share);
         } else if (path_.lights == LightPath::Lights::Shared) {
-            add(path_.throughput *
-                scene_.lights.met(ray.origin, ray.direction, ray.tNear, tMax,
-                                  {path_.normal, path_.density, path_.domeSamples, path_.shadowless, path_.links}));
+            const LightSet::Reach reach = rays_.reachOf(ray, *sampler_);
+            add(path_.throughput * scene_.lights.met(ray.origin, ray.direction, ray.tNear, tMax,
+                                                     {path_.normal, path_.density, path_.domeSamples, path_.shadowless,
+                                                      path_.links, &reach}));
             path_.shadowless = false;
         }
         visited_.share = 1; // what cones find is not beyond the first thing that is met
@@ -254,21 +254,9 @@ Rgb ReferenceIntegrator::straightLight(const WalkVertex& v) {
     if (light.shadows) {
         ray.tNear = std::max(0.0f, dot(inside_->worldPoint(out.point) - point, ray.direction)) * (1 + 1e-6f) +
                     scene_.shadowOffset;
-        left *= visibility(ray);
+        left *= rays_.throughSurfaces(ray, light.shading, sampler_);
     }
     return light.irradiance * left * (phase * share * float(count));
-}
-
-Rgb ReferenceIntegrator::visibility(Ray ray) {
-    Rgb left(1.0f);
-    for (int i = 0; i < kMaxThrough && maxComponent(left) > 0; ++i) {
-        RayHit hit;
-        if (!rays_.intersect(ray, hit)) {
-            return left;
-        }
-        left *= rays_.straightOn(ray, hit, sampler_);
-    }
-    return Rgb(0.0f);
 }
 
 // What a shell leaves of light that goes straight on, by ratio tracking; nothing where it would be refracted.
@@ -327,7 +315,8 @@ Rgb ReferenceIntegrator::refractedLight(const WalkVertex& v) {
     ray.origin = inside_->worldPoint(out.point) + inside_->worldNormal(out.outward) * scene_.shadowOffset;
     RayHit hit;
     const float tMax = rays_.intersect(ray, hit) ? hit.t : std::numeric_limits<float>::infinity();
-    return scene_.lights.mirrored(ray.origin, ray.direction, ray.tNear, tMax) * left * (phase / (own + phase));
+    return scene_.lights.mirrored(ray.origin, ray.direction, ray.tNear, tMax, 0, inside_->links) * left *
+           (phase / (own + phase));
 }
 
 } // namespace stf

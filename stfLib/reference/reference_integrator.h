@@ -47,7 +47,6 @@ private:
     void turned(const WalkVertex& vertex, const Vec3f& direction) override;
     Rgb straightLight(const WalkVertex& vertex);
     Rgb refractedLight(const WalkVertex& vertex);
-    Rgb visibility(Ray ray);
     Rgb straightThrough(const PreparedInstance& instance, Ray& ray, const RayHit& hit);
     void add(const Rgb& light) {
         out_.color += light;

@@ -321,9 +321,10 @@ PixelSample Integrator::sample(const Bundle& bundle, int i, const RayCone& cone,
             add(throughput * scene_.lights.mirrored(ray.origin, ray.direction, ray.tNear, tMax, blur, path.links),
                 path.bounced);
         } else if (path.lights == LightPath::Lights::Shared) {
-            add(throughput *
-                    scene_.lights.met(ray.origin, ray.direction, ray.tNear, tMax,
-                                      {path.normal, path.density, path.domeSamples, path.shadowless, path.links}),
+            const LightSet::Reach reach = rays_.reachOf(ray, sampler);
+            add(throughput * scene_.lights.met(
+                                 ray.origin, ray.direction, ray.tNear, tMax,
+                                 {path.normal, path.density, path.domeSamples, path.shadowless, path.links, &reach}),
                 path.bounced);
             path.shadowless = false;
         }

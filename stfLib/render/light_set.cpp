@@ -63,7 +63,8 @@ LightSet::LightSet(const std::map<std::string, Light>& lights, const MessageSink
         p.shadows = light.shadows;
         p.lit = linkBit(id, light.lightLink, messages);
         p.shading = linkBit(id, light.shadowLink, messages);
-        anyShadowless_ = anyShadowless_ || !light.shadows;
+        anyBehindThings_ = anyBehindThings_ || p.behindThings();
+        linksShadows_ = linksShadows_ || (p.shadows && p.shading != 0);
         if (light.type == Light::Type::Dome) {
             p.dome = DomeLight(id, light, messages);
         } else if (light.type == Light::Type::Distant) {
@@ -282,7 +283,7 @@ template<class Visit>
 void LightSet::along(const Way& w, Visit&& visit) const {
     constexpr float infinity = std::numeric_limits<float>::infinity();
     const auto meets = [&](const Prepared& l, float t) {
-        return l.shadows || !w.sampled ? t > w.tNear && (t < w.tMax || !(w.tMax < infinity)) : w.shadowless;
+        return !l.behindThings() || !w.sampled ? t > w.tNear && (t < w.tMax || !(w.tMax < infinity)) : w.shadowless;
     };
     for (std::size_t i : far_) {
         const Prepared& l = lights_[i];
@@ -294,7 +295,7 @@ void LightSet::along(const Way& w, Visit&& visit) const {
             visit(l, l.emission / float(projectedSolidAngle(std::acos(std::clamp(cosine, -1.0, 1.0)))), infinity);
         }
     }
-    tree_.along(w.origin, w.direction, w.sampled && w.shadowless && anyShadowless_ ? infinity : w.tMax,
+    tree_.along(w.origin, w.direction, w.sampled && w.shadowless && anyBehindThings_ ? infinity : w.tMax,
                 [&](std::size_t i) {
                     const Prepared& l = lights_[i];
                     if (l.mesh || !l.reaches(w.links)) {
@@ -326,8 +327,10 @@ Rgb LightSet::mirrored(const Vec3f& origin, const Vec3f& direction, float tNear,
 
 Rgb LightSet::met(const Vec3f& origin, const Vec3f& direction, float tNear, float tMax, const Chosen& chosen) const {
     Rgb sum(0.0f);
-    const auto add = [&](const Rgb& radiance, float sampled) {
-        sum += radiance * (chosen.density / (chosen.density + sampled));
+    const auto add = [&](const Prepared& l, const Rgb& radiance, float sampled, float t) {
+        const bool linked = l.shadows && l.shading != 0;
+        const Rgb left = !linked ? Rgb(1.0f) : chosen.reach ? (*chosen.reach)(l.shading, t) : Rgb(0.0f);
+        sum += radiance * left * (chosen.density / (chosen.density + sampled));
     };
     along({origin, direction, tNear, tMax, true, chosen.shadowless, 0, chosen.links},
           [&](const Prepared& l, const Rgb& radiance, float t) {
@@ -337,13 +340,15 @@ Rgb LightSet::met(const Vec3f& origin, const Vec3f& direction, float tNear, floa
               } else if (const float solid = l.shape.solidAngle(origin, direction, t); solid > 0) {
                   sampled = 1 / solid;
               }
-              add(radiance, sampled);
+              add(l, radiance, sampled, t);
           });
-    const bool free = !(tMax < std::numeric_limits<float>::infinity());
+    constexpr float infinity = std::numeric_limits<float>::infinity();
+    const bool free = !(tMax < infinity);
     for (std::size_t i : far_) {
         const Prepared& l = lights_[i];
-        if (l.type == Light::Type::Dome && l.reaches(chosen.links) && (l.shadows ? free : chosen.shadowless)) {
-            add(l.dome.radiance(direction), float(chosen.domeSamples) * l.dome.density(chosen.normal, direction));
+        if (l.type == Light::Type::Dome && l.reaches(chosen.links) && (l.behindThings() ? chosen.shadowless : free)) {
+            add(l, l.dome.radiance(direction), float(chosen.domeSamples) * l.dome.density(chosen.normal, direction),
+                infinity);
         }
     }
     return sum;

@@ -9,6 +9,7 @@
 #include "stfLib/render/shaped_emission.h"
 #include "stfLib/surface/ray_scene.h"
 
+#include <functional>
 #include <limits>
 #include <map>
 #include <memory>
@@ -103,18 +104,25 @@ public:
     /// Of the smooth domes alone.
     Rgb smoothBackground(const Vec3f& direction) const;
     bool hasDome() const;
+    /// Whether some prims throw no shadow of some light.
+    bool linksShadows() const { return linksShadows_; }
     /// Radiance of the lights with an area, and of wide distant ones, that a mirrored ray meets between `tNear` and
     /// `tMax`. Rays of the camera do not see them, as in other renderers. `blur`: least half angle, radians, of the
     /// discs of those distant lights, which give the same light all in all. `links`: of who gets it.
     Rgb mirrored(const Vec3f& origin, const Vec3f& direction, float tNear, float tMax, float blur = 0,
                  std::uint64_t links = kAllLinks) const;
+    /// What is left of a ray on its way to a light at a distance of which only prims with one of the links `shading`
+    /// throw a shadow.
+    using Reach = std::function<Rgb(std::uint64_t shading, float distance)>;
     /// How a ray's direction was chosen where `sample` was asked as well.
     struct Chosen {
         Vec3f normal;    ///< of the surface that the ray leaves
         float density;   ///< of its direction, per solid angle
         int domeSamples; ///< for each dome; of any other light there was one
-        bool shadowless; ///< lights without shadows are met as well, which samples find behind whatever is there
+        /// Lights that not everything throws a shadow of are met as well, which samples find behind whatever is there.
+        bool shadowless;
         std::uint64_t links = kAllLinks; ///< of the surface
+        const Reach* reach = nullptr;    ///< needed where `linksShadows()`
     };
     /// The same as `mirrored` and, where nothing is met, the domes, for such a ray: their shares by the balance
     /// heuristic (Veach 1997).
@@ -143,11 +151,12 @@ private:
         bool reaches(std::uint64_t links) const { return lit == 0 || (lit & links) != 0; }
         Rgb radiance(const Vec3f& direction, const Vec3f& at) const;
         bool seenAlong() const;
+        bool behindThings() const { return !shadows || shading != 0; }
     };
     struct Way {
         Vec3f origin, direction;
         float tNear, tMax;
-        bool sampled, shadowless; ///< sampled: lights without shadows are met wherever they are, if `shadowless`
+        bool sampled, shadowless; ///< sampled: lights `behindThings` are met wherever they are, if `shadowless`
         float blur;               ///< half angle
         std::uint64_t links;
     };
@@ -164,7 +173,7 @@ private:
     std::unordered_map<std::uint32_t, std::size_t> emitters_; ///< light by instance
     std::vector<std::size_t> far_;                            ///< distant lights and domes
     LightTree tree_;                                          ///< of the others
-    bool anyShadowless_ = false;
+    bool anyBehindThings_ = false, linksShadows_ = false;
     std::size_t areaCount_ = 0;
 };
 

@@ -100,6 +100,17 @@ Rgb SceneRays::throughSurfaces(Ray ray, std::uint64_t shading, PixelSampler* thr
     return Rgb(0.0f);
 }
 
+LightSet::Reach SceneRays::reachOf(const Ray& ray, PixelSampler& sampler) {
+    if (!scene_.lights.linksShadows()) {
+        return {};
+    }
+    return [this, ray, &sampler](std::uint64_t shading, float distance) {
+        Ray way = ray;
+        way.tFar = distance * (1 - 1e-4f);
+        return throughSurfaces(way, shading, scene_.clearShells ? &sampler : nullptr);
+    };
+}
+
 int SceneRays::chooseLights(const Vec3f& point, const Vec3f& normal, PixelSampler& sampler, LightPick* picks) const {
     // Nothing is drawn where there is nothing to choose.
     const float u = scene_.lights.count() > std::size_t(kMaxLightsPerPath) ? sampler.next1d() : 0.0f;

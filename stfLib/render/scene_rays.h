@@ -50,6 +50,12 @@ public:
     /// The share of a light that arrives at a point (world): 0 or 1, but for surfaces that are not opaque. With
     /// numbers for `throughShells` also the light that goes straight through shells, as paths of bounces do.
     Rgb visibility(const Vec3f& origin, const LightSample& light, PixelSampler* throughShells = nullptr);
+    /// What is left of a ray at the end of it, through surfaces that are not opaque. `shading`: links of what stops
+    /// light; 0: everything does.
+    Rgb throughSurfaces(Ray ray, std::uint64_t shading, PixelSampler* throughShells);
+    /// The same of a ray that leaves a surface, for lights of which only some prims throw shadows; asked for numbers
+    /// while it is used.
+    LightSet::Reach reachOf(const Ray& ray, PixelSampler& sampler);
     /// What is left of a ray that goes straight on where it hits something; moves its start behind that.
     Rgb straightOn(Ray& ray, const RayHit& hit, PixelSampler* throughShells);
     /// At most kMaxLightsPerPath of the lights, with their weights; returns how many.
@@ -63,8 +69,6 @@ private:
         PreparedInstance instance;
         std::uint64_t timeVersion = 0;
     };
-    /// `shading`: links of what throws shadows; 0: all.
-    Rgb throughSurfaces(Ray ray, std::uint64_t shading, PixelSampler* throughShells);
     Rgb fromWithin(Vec3f origin, LightSample light, PixelSampler* throughShells);
     const PreparedInstance& moved(const PreparedInstance& placed);
 

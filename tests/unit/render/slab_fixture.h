@@ -39,6 +39,7 @@ struct Slab {
     RenderSettings settings;
     TableProvider tables = sharedTables;
     PathTracerProvider reference; ///< of the setting `integrator`
+    std::function<void(Scene&)> more; ///< into the scene; empty: nothing
     std::vector<std::string> messages;
     std::vector<PlanEntry> plan;
 
@@ -200,6 +201,10 @@ private:
                 light.lightToWorld = rotationAboutX(std::acos(lightCosine));
             }
             scene.setLight("/light", light);
+        }
+
+        if (more) {
+            more(scene);
         }
 
         tableError_ = 0;
