@@ -10,7 +10,7 @@ namespace stf {
 
 namespace {
 
-constexpr double kTruncationShare = 0.25; // of the wanted error
+constexpr double kTruncationShare = 0.1; // of the wanted error
 // Noise differs from column to column, but what a dropped factor lacks has one sign over whole regions: where there are
 // many columns a factor is worth more of it.
 constexpr double kLeastCoherence = 0.25;

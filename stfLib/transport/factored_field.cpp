@@ -194,7 +194,9 @@ FactoredField factorise(const std::vector<std::vector<float>>& values, int compo
 
     // From the largest eigenvalue on, those with more signal than noise.
     const double energy = signal.trace();
-    double left = energy, noisePower = 0;
+    // What is left to keep. Noise taken off makes some eigenvalues negative: a sum with those in it would be gone before
+    // all factors are kept that can be told from noise.
+    double left = solver.eigenvalues().cwiseMax(0.0).sum(), noisePower = 0;
     std::vector<Eigen::Index> kept;
     for (Eigen::Index k = n - 1; k >= 0; --k) {
         const auto vector = solver.eigenvectors().col(k);
