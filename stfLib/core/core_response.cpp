@@ -83,7 +83,7 @@ CoreResponse::CoreResponse(const CoreMaterial& material, const SurfacePoints& sa
 }
 
 CoreResponse::CoreResponse(const CoreMaterial& material, const CoreBoundary& b, CoreModel model, std::uint64_t seed,
-                           Progress& progress, float epsilon, std::size_t walks)
+                           Progress& progress, std::size_t walks, float epsilon)
     : epsilon_(epsilon), walkBudget_(walks) {
     samples_.areas = b.samples.areas(b.points, b.triangles);
     for (float& a : samples_.areas) {

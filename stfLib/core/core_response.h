@@ -40,7 +40,7 @@ public:
     CoreResponse(const CoreMaterial& material, const SurfacePoints& samples, float epsilon = kEpsilon);
     /// `epsilon` as above. `walks`: together, of all samples; 24 to 512 each. Throws Cancelled.
     CoreResponse(const CoreMaterial& material, const CoreBoundary& boundary, CoreModel model, std::uint64_t seed,
-                 Progress& progress, float epsilon = kEpsilon, std::size_t walks = kWalks);
+                 Progress& progress, std::size_t walks = kWalks, float epsilon = kEpsilon);
 
     CoreResponse(CoreResponse&&) = default;
     CoreResponse(const CoreResponse&) = delete;

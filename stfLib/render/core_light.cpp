@@ -180,7 +180,7 @@ std::shared_ptr<const ShellCore> ShellCores::prepare(const ShellObject& o, std::
         const CoreBoundary boundary{o.boundary->inner, o.surface->triangles, o.surface->normals,
                                     *o.rayMesh,        *made->samples,       double(o.mmPerUnit)};
         made->response = std::make_shared<const CoreResponse>(o.core, boundary, o.coreModel, seed, progress,
-                                                              o.exact.coreTree ? kFineTree : CoreResponse::kEpsilon);
+                                                              CoreResponse::kWalks, o.exact.coreTree ? kFineTree : CoreResponse::kEpsilon);
         const SurfacePoints& samples = made->response->samples();
         double area = 0;
         for (float a : samples.areas) {
