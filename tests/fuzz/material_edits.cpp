@@ -22,6 +22,17 @@ std::vector<UsdPrim> shellNodes(const Session& s) {
     return nodes;
 }
 
+/// To any mesh, but those of native prototypes: UsdImaging 20.08 does not always bring the material of one that had
+/// none before. Words for what was done.
+std::string bindToAny(Session& s, const UsdShadeMaterial& material, Random& r) {
+    const UsdPrim mesh = anyOf(s.prims<UsdGeomMesh>(), r);
+    if (!mesh || isInstanced(mesh)) {
+        return {};
+    }
+    UsdShadeMaterialBindingAPI(mesh).Bind(material);
+    return " for " + mesh.GetPath().GetString();
+}
+
 std::string addMaterial(Session& s, Random& r) {
     const SdfPath path = freePath(s, "/Looks", "Look", r);
     if (path.IsEmpty() || !s.stage->GetPrimAtPath(SdfPath("/Looks"))) {
@@ -42,11 +53,7 @@ std::string addMaterial(Session& s, Random& r) {
     texture.CreateInput(TfToken("st"), SdfValueTypeNames->Float2).ConnectToSource(reader, TfToken("result"));
     texture.CreateOutput(TfToken("rgb"), SdfValueTypeNames->Float3);
     material.CreateSurfaceOutput().ConnectToSource(surface, TfToken("surface"));
-    const UsdPrim mesh = anyOf(s.prims<UsdGeomMesh>(), r);
-    if (mesh) {
-        UsdShadeMaterialBindingAPI(mesh).Bind(material);
-    }
-    return "add " + path.GetString() + (mesh ? " for " + mesh.GetPath().GetString() : "");
+    return "add " + path.GetString() + bindToAny(s, material, r);
 }
 
 /// A material that is a shell. Its node is known to OpenUSD once the delegate is there.
@@ -61,11 +68,7 @@ std::string addShell(Session& s, Random& r) {
     shell.CreateInput(TfToken("baseVolume"), SdfValueTypeNames->Asset).Set(SdfAssetPath(s.files.volume(0)));
     shell.CreateOutput(TfToken("surface"), SdfValueTypeNames->Token);
     material.CreateSurfaceOutput(TfToken("stf")).ConnectToSource(shell, TfToken("surface"));
-    const UsdPrim mesh = anyOf(s.prims<UsdGeomMesh>(), r);
-    if (mesh) {
-        UsdShadeMaterialBindingAPI(mesh).Bind(material);
-    }
-    return "add " + path.GetString() + (mesh ? " for " + mesh.GetPath().GetString() : "");
+    return "add " + path.GetString() + bindToAny(s, material, r);
 }
 
 std::string setShell(Session& s, Random& r) {
