@@ -22,6 +22,8 @@ if(_sanitizers)
     list(JOIN _sanitizers "," _flag)
     target_compile_options(stf_sanitize INTERFACE -fsanitize=${_flag} -fno-omit-frame-pointer)
     target_link_options(stf_sanitize INTERFACE -fsanitize=${_flag})
+    # What sanitizers add hides from GCC that values are set.
+    target_compile_options(stf_sanitize INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
     if("thread" IN_LIST _sanitizers)
         # OpenUSD's headers have fences, which are not followed; thread.supp names what comes of it.
         target_compile_options(stf_sanitize INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-tsan>)

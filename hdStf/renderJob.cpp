@@ -2,6 +2,7 @@
 #include "hdStf/renderJob.h"
 
 #include "hdStf/renderBuffer.h"
+#include "stfLib/base/thread_sanitizer.h"
 #include "stfLib/cache/map_cache.h"
 #include "stfLib/cache/table_cache.h"
 #include "stfLib/reference/reference_integrator.h"
@@ -98,7 +99,10 @@ HdStfRenderJob::HdStfRenderJob(stf::Scene& scene, HdStfMessages& messages)
       _renderer(stf::cachedTables(), stf::cachedMaps(), &stf::ReferenceIntegrator::maker) {
     _renderer.setMessages(
         [this](stf::Severity severity, std::string const& text) { _messages.Report(severity, text); });
-    _thread.SetRenderCallback([this] { _Render(); });
+    _thread.SetRenderCallback([this] {
+        _Render();
+        stf::sanitizerGive(&_thread);
+    });
     _thread.StartThread();
 }
 
@@ -199,6 +203,7 @@ void HdStfRenderJob::StartRender() {
 void HdStfRenderJob::StopRender() {
     _cancel.store(true);
     _thread.StopRender();
+    stf::sanitizerTake(&_thread); // it has waited for the callback, by an atomic of OpenUSD's library
 }
 
 void HdStfRenderJob::Pause() {
