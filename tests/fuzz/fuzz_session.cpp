@@ -34,16 +34,7 @@ def Camera "Camera2" {
     matrix4d xformOp:transform = ((1, 0, 0, 0), (0, 0.8, -0.6, 0), (0, 0.6, 0.8, 0), (0, 5, 7, 1))
     uniform token[] xformOpOrder = ["xformOp:transform"]
 }
-def Scope "Looks" {
-    def Material "Paint" {
-        token outputs:surface.connect = </Looks/Paint/Surface.outputs:surface>
-        def Shader "Surface" {
-            uniform token info:id = "UsdPreviewSurface"
-            color3f inputs:diffuseColor = (0.6, 0.3, 0.2)
-            token outputs:surface
-        }
-    }
-}
+def Scope "Looks" {}
 def Xform "World" {
     def DistantLight "Key" {
         float intensity = 2
