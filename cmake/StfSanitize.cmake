@@ -32,10 +32,10 @@ if(_sanitizers)
         # A test that went on after undefined behaviour would pass.
         target_compile_options(stf_sanitize INTERFACE -fno-sanitize-recover=undefined)
     endif()
-    # OpenUSD hands work to threads of a TBB that ThreadSanitizer cannot see into: there it syncs prims one after another.
     set(HDSTF_SANITIZER_ENVIRONMENT
         TSAN_OPTIONS=suppressions=${CMAKE_CURRENT_LIST_DIR}/sanitizers/thread.supp:second_deadlock_stack=1)
     if("thread" IN_LIST _sanitizers)
+        # OpenUSD hands work to threads of a TBB that ThreadSanitizer cannot see into: there it syncs prims one after another.
         list(APPEND HDSTF_SANITIZER_ENVIRONMENT PXR_WORK_THREAD_LIMIT=1)
     endif()
 endif()
