@@ -28,15 +28,10 @@ void HdStfCamera::Sync(HdSceneDelegate* sceneDelegate, HdRenderParam* renderPara
     if (!dirty) {
         return;
     }
-    const stf::Shutter before = _optics.shutter;
     _PullOptics(sceneDelegate);
     // Prims sync after the cameras.
     static_cast<HdStfRenderParam*>(renderParam)->SetShutter(GetId(), _optics.shutter);
     _PullMotion(sceneDelegate);
-    if (!(_optics.shutter == before)) {
-        // How prims move was asked for another time.
-        sceneDelegate->GetRenderIndex().GetChangeTracker().MarkAllRprimsDirty(HdChangeTracker::DirtyTransform);
-    }
 }
 
 void HdStfCamera::Finalize(HdRenderParam* renderParam) {

@@ -45,4 +45,12 @@ stf::Shutter HdStfRenderParam::GetShutter() const {
     return all;
 }
 
+void HdStfRenderParam::FollowShutter(HdChangeTracker& tracker) {
+    const stf::Shutter shutter = GetShutter();
+    if (!(shutter == _followedShutter)) {
+        _followedShutter = shutter;
+        MarkAllDirty(tracker, HdChangeTracker::DirtyTransform);
+    }
+}
+
 PXR_NAMESPACE_CLOSE_SCOPE

@@ -39,6 +39,9 @@ public:
     /// From the first opening to the last closing of all cameras; does not blur where none does, so that it is not
     /// worth asking how prims move.
     stf::Shutter GetShutter() const;
+    /// Between cameras' sync and that of the prims: where the shutter is another than at the last call, prims have to
+    /// tell how they move anew. Cameras themselves cannot see that: some go without being there to sync.
+    void FollowShutter(HdChangeTracker& tracker);
 
     /// Has all rprims pull something again, with this sync.
     void MarkAllDirty(HdChangeTracker& tracker, HdDirtyBits bits);
@@ -56,6 +59,7 @@ private:
     std::atomic<int> _sceneVersion{1};
     mutable std::mutex _shutterMutex;
     std::map<SdfPath, stf::Shutter> _shutters; // those that blur
+    stf::Shutter _followedShutter;             // Hydra's execute thread only
 };
 
 PXR_NAMESPACE_CLOSE_SCOPE

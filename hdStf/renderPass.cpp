@@ -41,6 +41,10 @@ bool HdStfRenderPass::IsConverged() const {
     return _job.IsConverged();
 }
 
+void HdStfRenderPass::_Sync() {
+    _param.FollowShutter(GetRenderIndex()->GetChangeTracker());
+}
+
 void HdStfRenderPass::_Execute(HdRenderPassStateSharedPtr const& renderPassState, TfTokenVector const& renderTags) {
     bool restart = _UpdateDrawnPrims(renderTags);
     restart |= _UpdateSettings();

@@ -31,6 +31,7 @@ public:
     bool IsConverged() const override;
 
 protected:
+    void _Sync() override;
     void _Execute(HdRenderPassStateSharedPtr const& renderPassState, TfTokenVector const& renderTags) override;
     void _MarkCollectionDirty() override { _drawnSetIsStale = true; }
 

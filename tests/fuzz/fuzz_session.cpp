@@ -34,7 +34,16 @@ def Camera "Camera2" {
     matrix4d xformOp:transform = ((1, 0, 0, 0), (0, 0.8, -0.6, 0), (0, 0.6, 0.8, 0), (0, 5, 7, 1))
     uniform token[] xformOpOrder = ["xformOp:transform"]
 }
-def Scope "Looks" {}
+def Scope "Looks" {
+    def Material "Paint" {
+        token outputs:surface.connect = </Looks/Paint/Surface.outputs:surface>
+        def Shader "Surface" {
+            uniform token info:id = "UsdPreviewSurface"
+            color3f inputs:diffuseColor = (0.6, 0.3, 0.2)
+            token outputs:surface
+        }
+    }
+}
 def Xform "World" {
     def DistantLight "Key" {
         float intensity = 2
@@ -104,10 +113,11 @@ std::vector<T> values(HdStfRenderBuffer& buffer) {
 }
 
 /// Prims by name: what number a prim has goes by when it came.
-std::vector<std::string> primNames(TestHost& host, const std::vector<int>& ids) {
+std::vector<std::string> primNames(TestHost& host, const std::vector<int>& ids, const HostNames& hostNames) {
     std::vector<std::string> names;
     for (const int id : ids) {
-        names.push_back(id < 0 ? std::string() : host.index().GetRprimPathFromPrimId(id).GetString());
+        names.push_back(id < 0 ? std::string()
+                               : nameInFirst(hostNames, host.index().GetRprimPathFromPrimId(id).GetString()));
     }
     return names;
 }
@@ -127,7 +137,8 @@ std::string compareAov(const std::string& aov, TestHost& a, TestHost& b) {
         return "another format or size";
     }
     if (aov == "primId") {
-        return compareNames(primNames(a, values<int>(p)), primNames(b, values<int>(q)));
+        return compareNames(primNames(a, values<int>(p), {}),
+                            primNames(b, values<int>(q), hostNames(a.delegate->GetScene(), b.delegate->GetScene())));
     }
     return HdGetComponentFormat(p.GetFormat()) == HdFormatInt32 ? compareValues(values<int>(p), values<int>(q))
                                                                 : compareValues(values<float>(p), values<float>(q));

@@ -198,8 +198,8 @@ void addMaterialEdits(EditKinds& kinds) {
     kinds.push_back({"material: texture", 3, setTexture});
     kinds.push_back({"material: name of the coordinates", 2, setReader});
     kinds.push_back({"material: unknown node", 1, unknownNode});
-    kinds.push_back({"material: add a shell", 1, addShell});
-    kinds.push_back({"material: shell", 2, setShell});
+    kinds.push_back({"material: add a shell", 3, addShell});
+    kinds.push_back({"material: shell", 3, setShell});
     kinds.push_back({"material: bind", 3, bind});
     kinds.push_back({"material: unbind", 2, unbind});
 }

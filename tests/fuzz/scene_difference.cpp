@@ -70,14 +70,12 @@ void compareMeshes(const std::string& id, const stf::SceneMesh& a, const stf::Sc
     lines.check(id + ": material \"" + a.material + "\", \"" + b.material + "\"", a.material, b.material);
     lines.check(id + ": parts", m.faceParts, n.faceParts);
     lines.check(id + ": materials of parts", a.partMaterials, b.partMaterials);
-    lines.check(id + ": links", a.links, b.links);
     if (a.instances.size() != b.instances.size()) {
         lines.add(id + ": instances " + std::to_string(a.instances.size()) + ", " + std::to_string(b.instances.size()));
     } else {
         for (std::size_t i = 0; i < a.instances.size(); ++i) {
             const std::string one = id + ": instance " + std::to_string(i);
             lines.check(one + ": transform", a.instances[i].objectToWorld, b.instances[i].objectToWorld);
-            lines.check(one + ": links", a.instances[i].links, b.instances[i].links);
             lines.check(one + ": motion, " + timesOf(a.instances[i]) + " and " + timesOf(b.instances[i]),
                         a.instances[i].motion, b.instances[i].motion);
         }
@@ -118,20 +116,101 @@ std::map<std::string, stf::PreviewSurface> boundMaterials(const stf::Scene& scen
     return bound;
 }
 
+bool has(const std::vector<std::string>& names, const std::string& name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+/// Which drawn meshes and instances belong to a link of a light.
+std::set<std::string> membersOf(const stf::Scene& scene, const std::string& link, const HostNames& names) {
+    std::set<std::string> members;
+    for (const auto& [id, mesh] : scene.meshes()) {
+        for (std::size_t i = 0; drawn(mesh) && i < mesh.instances.size(); ++i) {
+            if (link.empty() || has(mesh.links, link) || has(mesh.instances[i].links, link)) {
+                members.insert(nameInFirst(names, id) + " " + std::to_string(i));
+            }
+        }
+    }
+    return members;
+}
+
+/// Links are compared by their members: UsdImaging goes on with the name of a light that is gone, for whichever other
+/// light has the same members.
+void compareLinks(const stf::Scene& a, const stf::Scene& b, const HostNames& names, Lines& lines) {
+    for (const auto& [id, light] : a.lights()) {
+        const auto other = b.lights().find(id);
+        if (other != b.lights().end()) {
+            lines.check("light " + id + ": whom it lights", membersOf(a, light.lightLink, {}),
+                        membersOf(b, other->second.lightLink, names));
+            lines.check("light " + id + ": who throws its shadows", membersOf(a, light.shadowLink, {}),
+                        membersOf(b, other->second.shadowLink, names));
+        }
+    }
+}
+
+std::map<std::string, stf::Light> withoutLinks(std::map<std::string, stf::Light> lights) {
+    for (auto& [id, light] : lights) {
+        light.lightLink.clear();
+        light.shadowLink.clear();
+    }
+    return lights;
+}
+
+using Meshes = std::map<std::string, stf::SceneMesh>;
+
+/// What is drawn, by the names of the first scene.
+Meshes drawnMeshes(const stf::Scene& scene, const HostNames& names) {
+    Meshes meshes;
+    for (const auto& [id, mesh] : scene.meshes()) {
+        if (drawn(mesh)) {
+            meshes.emplace(nameInFirst(names, id), mesh);
+        }
+    }
+    return meshes;
+}
+
 } // namespace
+
+std::string nameInFirst(const HostNames& names, const std::string& id) {
+    const auto name = names.find(id);
+    return name == names.end() ? id : name->second;
+}
+
+HostNames hostNames(const stf::Scene& a, const stf::Scene& b) {
+    Meshes first = drawnMeshes(a, {}), second = drawnMeshes(b, {});
+    HostNames names;
+    for (const auto& [id, mesh] : second) {
+        const std::size_t leaf = id.find(".proto_");
+        if (leaf == std::string::npos || first.count(id)) {
+            continue;
+        }
+        const auto same = std::find_if(first.begin(), first.end(), [&](const auto& entry) {
+            const std::string& other = entry.first;
+            const std::size_t otherLeaf = other.find(".proto_");
+            return !second.count(other) && otherLeaf != std::string::npos &&
+                   other.substr(otherLeaf) == id.substr(leaf) && entry.second.instances == mesh.instances;
+        });
+        if (same != first.end()) {
+            names[id] = same->first;
+            first.erase(same);
+        }
+    }
+    return names;
+}
 
 std::string sceneDifference(const stf::Scene& a, const stf::Scene& b) {
     Lines lines;
-    for (const std::string& id : keysOf(a.meshes(), b.meshes())) {
-        const auto m = a.meshes().find(id), n = b.meshes().find(id);
-        const bool inA = m != a.meshes().end() && drawn(m->second), inB = n != b.meshes().end() && drawn(n->second);
-        if (inA != inB) {
-            lines.add(id + ": drawn only in the " + (inA ? "first" : "second"));
-        } else if (inA) {
+    const HostNames names = hostNames(a, b);
+    const Meshes first = drawnMeshes(a, {}), second = drawnMeshes(b, names);
+    for (const std::string& id : keysOf(first, second)) {
+        const auto m = first.find(id), n = second.find(id);
+        if (m == first.end() || n == second.end()) {
+            lines.add(id + ": drawn only in the " + (n == second.end() ? "first" : "second"));
+        } else {
             compareMeshes(id, m->second, n->second, lines);
         }
     }
-    compareMaps("light", a.lights(), b.lights(), lines);
+    compareMaps("light", withoutLinks(a.lights()), withoutLinks(b.lights()), lines);
+    compareLinks(a, b, names, lines);
     compareMaps("material", boundMaterials(a), boundMaterials(b), lines);
     lines.check("metres per unit", a.metersPerUnit(), b.metersPerUnit());
     return lines.text();

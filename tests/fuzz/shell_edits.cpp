@@ -155,10 +155,11 @@ void addShellEdits(EditKinds& kinds) {
     kinds.push_back({"shell: coreMaterial", 2, property("coreMaterial", types.String, [](Random& r) {
                          return std::string(r.of({"marble", "wax", "nonsense", ""}));
                      })});
+    // Cores of short ranges have tens of thousands of samples: pictures would take longer than edits are many.
     kinds.push_back(
-        {"shell: coreSigmaA", 2, property("coreSigmaA", types.Color3f, [](Random& r) { return r.vec(0, 1); })});
+        {"shell: coreSigmaA", 2, property("coreSigmaA", types.Color3f, [](Random& r) { return r.vec(0, 0.1f); })});
     kinds.push_back({"shell: coreSigmaSPrime", 2,
-                     property("coreSigmaSPrime", types.Color3f, [](Random& r) { return r.vec(-0.1f, 2); })});
+                     property("coreSigmaSPrime", types.Color3f, [](Random& r) { return r.vec(-0.02f, 0.4f); })});
     kinds.push_back({"shell: coreModel", 2, property("coreModel", types.Token, [](Random& r) {
                          return TfToken(r.of({"auto", "dipole", "walk", "none"}));
                      })});

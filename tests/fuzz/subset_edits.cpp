@@ -86,7 +86,7 @@ std::string link(Session& s, Random& r) {
 } // namespace
 
 void addSubsetEdits(EditKinds& kinds) {
-    kinds.push_back({"subset: add", 2, addSubset});
+    kinds.push_back({"subset: add", 3, addSubset});
     kinds.push_back(
         {"subset: remove", 1, [](Session& s, Random& r) { return removePrim(s, anyOf(s.prims<UsdGeomSubset>(), r)); }});
     kinds.push_back({"subset: faces", 2, setFaces});

@@ -119,6 +119,38 @@ TEST(Motion, TransformsAreSampledOverTheShutter) {
     EXPECT_NEAR(samples().back().transform.translation.x, 10, 1e-6);
 }
 
+// As long as any camera's shutter is open, and not longer.
+TEST(Motion, EndsWithTheLastShutter) {
+    if (!TestHost::motionIsSampled() || TestHost::byIndices()) {
+        GTEST_SKIP() << "this OpenUSD samples no motion of stages that come in by scene indices";
+    }
+    TestHost host(cameraScene("", "", "def Camera \"Second\" {}"));
+    const auto close = [&host](const char* camera, double time) {
+        UsdGeomCamera(host.stage->GetPrimAtPath(SdfPath(camera))).CreateShutterCloseAttr().Set(time);
+    };
+    const auto samples = [&host] { return host.mesh("/Square").instances.at(0).motion.size(); };
+    ASSERT_TRUE(host.renderToEnd());
+    EXPECT_EQ(samples(), 0u);
+    close("/Camera", 0.5);
+    close("/Second", 0.5);
+    ASSERT_TRUE(host.renderToEnd());
+    EXPECT_EQ(samples(), 1u);
+    close("/Camera", 0);
+    ASSERT_TRUE(host.renderToEnd());
+    EXPECT_EQ(samples(), 1u);
+    close("/Second", 0);
+    ASSERT_TRUE(host.renderToEnd());
+    EXPECT_EQ(samples(), 0u);
+    close("/Camera", 0.5);
+    close("/Second", 0.5);
+    host.execute();
+    EXPECT_EQ(samples(), 1u);
+    close("/Camera", 0);
+    close("/Second", 0);
+    ASSERT_TRUE(host.renderToEnd());
+    EXPECT_EQ(samples(), 0u);
+}
+
 TEST(Motion, CamerasMove) {
     if (!TestHost::motionIsSampled()) {
         GTEST_SKIP() << "this OpenUSD samples no motion of stages that come in by scene indices";
