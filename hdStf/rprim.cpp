@@ -144,6 +144,13 @@ void HdStfRprim::_PullInstances(HdSceneDelegate* sceneDelegate, stf::Shutter con
             instances[i].links = _ToStrings(links[i]);
         }
     }
+    for (stf::MeshInstance& instance : instances) {
+        // Hosts give samples of what stands still as well, at times that go by when they were asked.
+        if (std::all_of(instance.motion.begin(), instance.motion.end(),
+                        [&](stf::TransformSample const& s) { return s.transform == instance.motion.front().transform; })) {
+            instance.motion.clear();
+        }
+    }
     changes.instances = instances != _instances;
     _instances = std::move(instances);
 }

@@ -124,7 +124,10 @@ TEST(Motion, EndsWithTheLastShutter) {
     if (!TestHost::motionIsSampled() || TestHost::byIndices()) {
         GTEST_SKIP() << "this OpenUSD samples no motion of stages that come in by scene indices";
     }
-    TestHost host(cameraScene("", "", "def Camera \"Second\" {}"));
+    TestHost host(cameraScene("", R"(    double3 xformOp:translate.timeSamples = { 0: (0, 0, 0), 10: (20, 0, 0) }
+    uniform token[] xformOpOrder = ["xformOp:translate"])",
+                              "def Camera \"Second\" {}"));
+    host.setTime(4);
     const auto close = [&host](const char* camera, double time) {
         UsdGeomCamera(host.stage->GetPrimAtPath(SdfPath(camera))).CreateShutterCloseAttr().Set(time);
     };
@@ -134,21 +137,29 @@ TEST(Motion, EndsWithTheLastShutter) {
     close("/Camera", 0.5);
     close("/Second", 0.5);
     ASSERT_TRUE(host.renderToEnd());
-    EXPECT_EQ(samples(), 1u);
+    EXPECT_EQ(samples(), 2u);
     close("/Camera", 0);
     ASSERT_TRUE(host.renderToEnd());
-    EXPECT_EQ(samples(), 1u);
+    EXPECT_EQ(samples(), 2u);
     close("/Second", 0);
     ASSERT_TRUE(host.renderToEnd());
     EXPECT_EQ(samples(), 0u);
     close("/Camera", 0.5);
     close("/Second", 0.5);
     host.execute();
-    EXPECT_EQ(samples(), 1u);
+    EXPECT_EQ(samples(), 2u);
     close("/Camera", 0);
     close("/Second", 0);
     ASSERT_TRUE(host.renderToEnd());
     EXPECT_EQ(samples(), 0u);
+}
+
+TEST(Motion, WhatStandsStillHasNone) {
+    TestHost host(cameraScene("    double shutter:close = 1", R"(    double3 xformOp:translate.timeSamples = { 1: (1, 0, 0) }
+    uniform token[] xformOpOrder = ["xformOp:translate"])"));
+    ASSERT_TRUE(host.renderToEnd());
+    EXPECT_EQ(host.mesh("/Square").instances.at(0).objectToWorld.translation.x, 1);
+    EXPECT_TRUE(host.mesh("/Square").instances.at(0).motion.empty());
 }
 
 TEST(Motion, CamerasMove) {
