@@ -8,6 +8,7 @@
 #include "pxr/pxr.h"
 
 #include <array>
+#include <limits>
 
 PXR_NAMESPACE_OPEN_SCOPE
 
@@ -21,18 +22,24 @@ constexpr std::array<HdInterpolation, 5> HdStfInterpolations = {HdInterpolationC
 using HdStfPrimvarDescriptors = std::array<HdPrimvarDescriptorVector, HdStfInterpolations.size()>;
 
 /// The interpolation of a primvar of that name with so many values. UsdImaging of 20.08 goes on naming a primvar under
-/// the interpolations that it had before: the one counts that the number of values fits, \p countOf(interpolation).
+/// the interpolations that it had before: the one counts whose number of values, \p countOf(interpolation), is nearest
+/// (of two, the greater: it is values that are missing).
 template<class CountOf>
 HdInterpolation HdStfInterpolationOf(HdStfPrimvarDescriptors const& descriptors, HdPrimvarDescriptor const& primvar,
                                      size_t values, CountOf const& countOf) {
+    HdInterpolation nearest = primvar.interpolation;
+    size_t least = std::numeric_limits<size_t>::max();
     for (size_t i = 0; i < descriptors.size(); ++i) {
         for (HdPrimvarDescriptor const& other : descriptors[i]) {
-            if (other.name == primvar.name && values == countOf(HdStfInterpolations[i])) {
-                return HdStfInterpolations[i];
+            const size_t count = other.name == primvar.name ? countOf(HdStfInterpolations[i]) : 0;
+            const size_t off = count > values ? count - values : values - count;
+            if (other.name == primvar.name && (off < least || (off == least && count > values))) {
+                least = off;
+                nearest = HdStfInterpolations[i];
             }
         }
     }
-    return primvar.interpolation;
+    return nearest;
 }
 
 /// Values with the interpolation that they came with.

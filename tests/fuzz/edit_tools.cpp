@@ -109,7 +109,7 @@ int valueCount(const UsdGeomMesh& mesh, const TfToken& interpolation, Random& ra
                          : interpolation == UsdGeomTokens->uniform     ? counts.size()
                          : interpolation == UsdGeomTokens->faceVarying ? indices.size()
                                                                        : points.size();
-    return std::max(1, int(count) - (random.chance(0.05) ? 1 : 0));
+    return std::max(1, int(count)) - (count > 2 && random.chance(0.05) ? 1 : 0); // of two, one would be a constant
 }
 
 bool isInstanced(const UsdPrim& prim) {

@@ -33,7 +33,7 @@ VtVec3fArray randomPoints(int count, Random& r) {
 
 VtFloatArray randomWidths(int count, Random& r) {
     VtFloatArray widths;
-    for (int i = std::max(1, count - (r.chance(0.05) ? 1 : 0)); i > 0; --i) {
+    for (int i = count - (count > 2 && r.chance(0.05) ? 1 : 0); i > 0; --i) { // of two, one would be a constant
         widths.push_back(r.of({0.05f, 0.2f, 0.4f}));
     }
     return widths;
@@ -111,6 +111,7 @@ std::string setCurveWidths(Session& s, Random& r) {
     }
     const TfToken interpolation = r.of({UsdGeomTokens->constant, UsdGeomTokens->uniform, UsdGeomTokens->vertex});
     UsdGeomBasisCurves(curves).SetWidthsInterpolation(interpolation);
+    curves.GetWidthsAttr().Clear(); // samples of other times have other numbers
     const int count = interpolation == UsdGeomTokens->constant  ? 1
                       : interpolation == UsdGeomTokens->uniform ? curveCount
                                                                 : pointCount;
@@ -126,6 +127,7 @@ std::string setPointWidths(Session& s, Random& r) {
     VtVec3fArray held;
     points.GetPointsAttr().Get(&held, UsdTimeCode::EarliestTime());
     const bool each = r.chance(0.5);
+    points.GetWidthsAttr().Clear();
     UsdGeomPoints(points).SetWidthsInterpolation(each ? UsdGeomTokens->vertex : UsdGeomTokens->constant);
     return setAttribute(points.GetPrim(), "widths", SdfValueTypeNames->FloatArray,
                         VtValue(randomWidths(each ? int(held.size()) : 1, r)), r);

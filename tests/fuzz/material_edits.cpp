@@ -169,7 +169,7 @@ std::string unknownNode(Session& s, Random& r) {
 std::string bind(Session& s, Random& r) {
     const UsdPrim mesh = anyOf(s.prims<UsdGeomGprim>(), r);
     const UsdPrim material = anyOf(s.prims<UsdShadeMaterial>(), r);
-    if (!mesh || !material) {
+    if (!mesh || !material || isInstanced(mesh)) {
         return {};
     }
     UsdShadeMaterialBindingAPI(mesh).Bind(UsdShadeMaterial(material));
@@ -178,7 +178,7 @@ std::string bind(Session& s, Random& r) {
 
 std::string unbind(Session& s, Random& r) {
     const UsdPrim mesh = anyOf(s.prims<UsdGeomGprim>(), r);
-    if (!mesh || !mesh.HasRelationship(TfToken("material:binding"))) {
+    if (!mesh || isInstanced(mesh) || !mesh.HasRelationship(TfToken("material:binding"))) {
         return {};
     }
     UsdShadeMaterialBindingAPI(mesh).UnbindDirectBinding();

@@ -26,7 +26,7 @@ VtIntArray randomFaces(Random& r) {
 std::string addSubset(Session& s, Random& r) {
     const UsdGeomMesh mesh(anyOf(s.prims<UsdGeomMesh>(), r));
     const UsdPrim material = anyOf(s.prims<UsdShadeMaterial>(), r);
-    if (!mesh || !material || isInstanced(mesh.GetPrim())) {
+    if (!mesh || !material || !mesh.GetPrim().IsActive() || isInstanced(mesh.GetPrim())) {
         return {};
     }
     const TfToken name("Part" + std::to_string(r.below(3)));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStf/meshData.h"
+#include "hdStf/primvars.h"
 
 #include "test_host.h"
 
@@ -8,6 +9,8 @@
 #include "pxr/imaging/hd/tokens.h"
 
 #include <gtest/gtest.h>
+
+#include <algorithm>
 
 PXR_NAMESPACE_USING_DIRECTIVE
 
@@ -80,6 +83,33 @@ TEST(Mesh, ColorsOfAllInterpolations) {
         EXPECT_EQ(mesh.colorInterpolation, interpolation);
         EXPECT_EQ(mesh.colors.size(), one ? 1u : 4u);
     }
+}
+
+// UsdImaging of 20.08 names a primvar under interpolations that it no longer has.
+TEST(Mesh, NumbersTellInterpolationsApart) {
+    HdStfPrimvarDescriptors descriptors;
+    const auto name = [&descriptors](const char* primvar, HdInterpolation interpolation) {
+        descriptors[size_t(std::find(HdStfInterpolations.begin(), HdStfInterpolations.end(), interpolation) -
+                           HdStfInterpolations.begin())]
+            .push_back({TfToken(primvar), interpolation, TfToken()});
+    };
+    name("width", HdInterpolationConstant);
+    name("width", HdInterpolationUniform);
+    name("width", HdInterpolationVertex);
+    name("other", HdInterpolationVarying);
+    const auto of = [&descriptors](const char* primvar, HdInterpolation named, size_t values) {
+        return HdStfInterpolationOf(descriptors, {TfToken(primvar), named, TfToken()}, values, [](HdInterpolation i) {
+            return i == HdInterpolationConstant ? 1u : i == HdInterpolationUniform ? 6u : 8u;
+        });
+    };
+    EXPECT_EQ(of("width", HdInterpolationConstant, 1), HdInterpolationConstant);
+    EXPECT_EQ(of("width", HdInterpolationConstant, 6), HdInterpolationUniform);
+    EXPECT_EQ(of("width", HdInterpolationConstant, 8), HdInterpolationVertex);
+    EXPECT_EQ(of("width", HdInterpolationConstant, 5), HdInterpolationUniform); // one is missing
+    EXPECT_EQ(of("width", HdInterpolationConstant, 7), HdInterpolationVertex);  // the same, of either
+    EXPECT_EQ(of("width", HdInterpolationConstant, 99), HdInterpolationVertex);
+    EXPECT_EQ(of("other", HdInterpolationVarying, 1), HdInterpolationVarying);
+    EXPECT_EQ(of("unknown", HdInterpolationFaceVarying, 1), HdInterpolationFaceVarying);
 }
 
 TEST(Mesh, NormalsOnlyWithoutSubdivision) {
