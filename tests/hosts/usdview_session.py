@@ -60,9 +60,14 @@ class Session:
         self.seen["pictures"][name] = [image.width(), image.height()]
 
     def shoot_window(self, widget, name):
-        """Keeps a picture of a window (without what OpenGL draws in it)."""
+        """Keeps a picture of a window; what OpenGL draws in it has to be put in, Qt does not grab that."""
         self.events()
-        widget.grab().save(os.path.join(OUTPUT, name + ".png"))
+        picture = widget.grab()
+        if widget.isAncestorOf(self.view):
+            painter = QtGui.QPainter(picture)
+            painter.drawImage(self.view.mapTo(widget, self.view.rect().topLeft()), self.view.grabFrameBuffer())
+            painter.end()
+        picture.save(os.path.join(OUTPUT, name + ".png"))
 
     def choose_renderer(self, name):
         """Renderer menu."""
