@@ -210,6 +210,7 @@ void Renderer::Impl::prepareMesh(const std::string& id, const SceneMesh& m, doub
     try {
         RefineOptions options;
         options.level = m.refineLevel;
+        options.pointNormals = !mesh.faceParts.empty(); // parts have corners' normals
         if (mesh.scheme != ControlMesh::Scheme::None) {
             Box3f box;
             for (const Vec3f& p : mesh.points) {

@@ -21,6 +21,9 @@ inline Vec3f smoothNormal(const RefinedSurface& s, const RayHit& hit) {
         const int c = int(3 * hit.triangle);
         return betweenCorners(s.cornerNormals, {c, c + 1, c + 2}, hit.u, hit.v);
     }
+    if (!s.faceNormals.empty()) {
+        return s.faceNormals[std::size_t(s.triangleFace[hit.triangle])];
+    }
     return betweenCorners(s.normals, s.triangles[hit.triangle], hit.u, hit.v);
 }
 

@@ -56,7 +56,7 @@ Surfel surfelAt(const PreparedInstance& instance, const Ray& ray, const RayHit& 
     // terminator", Ray Tracing Gems II): the mean of the projections onto the corners' tangent planes.
     Vec3f lifted = p;
     const float weight[3] = {1 - hit.u - hit.v, hit.u, hit.v};
-    for (int k = 0; k < 3 && s.cornerNormals.empty(); ++k) {
+    for (int k = 0; k < 3 && !s.normals.empty() && s.cornerNormals.empty(); ++k) {
         const std::size_t i = std::size_t(t[k]);
         lifted -= s.normals[i] * (weight[k] * std::min(0.0f, dot(p - s.points[i], s.normals[i])));
     }

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stfLib/surface/control_mesh.h"
+#include "stfLib/base/parallel.h"
 
 #include <algorithm>
+#include <atomic>
 #include <initializer_list>
 
 namespace stf {
@@ -19,36 +21,88 @@ bool usable(Vec2f p) {
     return std::abs(p.x) < largestCoordinate && std::abs(p.y) < largestCoordinate;
 }
 
-/// How faces and face vertices of the result follow from the given ones.
-struct Selection {
-    std::vector<int> faces;           ///< kept faces, by their given number
-    std::vector<std::size_t> corners; ///< kept face vertices, by their given place
-    std::vector<int> counts;          ///< of the kept faces
-};
-
-template<class T>
-void keep(std::vector<T>& values, const std::vector<int>& which) {
+template<class T, class Index>
+void pick(std::vector<T>& values, const std::vector<Index>& which) {
     std::vector<T> kept;
     kept.reserve(which.size());
-    for (int i : which) {
+    for (const Index i : which) {
         kept.push_back(values[std::size_t(i)]);
     }
     values.swap(kept);
 }
 
-template<class T>
-void keep(std::vector<T>& values, const std::vector<std::size_t>& which) {
-    std::vector<T> kept;
-    kept.reserve(which.size());
-    for (std::size_t i : which) {
-        kept.push_back(values[i]);
+/// How faces and face vertices of the result follow from the given ones.
+struct Selection {
+    bool all = false;                 ///< as they are: the lists stay empty
+    std::vector<int> faces;           ///< kept faces, by their given number
+    std::vector<std::size_t> corners; ///< kept face vertices, by their given place
+    std::vector<int> counts;          ///< of the kept faces
+
+    template<class T>
+    void keepFaces(std::vector<T>& values) const {
+        if (!all) {
+            pick(values, faces);
+        }
     }
-    values.swap(kept);
+    template<class T>
+    void keepCorners(std::vector<T>& values) const {
+        if (!all) {
+            pick(values, corners);
+        }
+    }
+};
+
+/// Whether nothing has to be mended: each face goes round three different, finite points at least. Most meshes are so.
+bool isIntact(const ControlMesh& mesh) {
+    constexpr std::size_t together = 16384; // points, faces
+    constexpr std::size_t mostCorners = 16; // beyond, comparing each with each costs more than it saves
+    std::atomic<bool> intact{true};
+    parallelFor(mesh.points.size(), together, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            if (!usable(mesh.points[i])) {
+                intact = false;
+                return;
+            }
+        }
+    });
+    std::vector<std::size_t> starts; // first face vertex of every so many faces
+    std::size_t vertex = 0;
+    for (std::size_t f = 0; f < mesh.faceVertexCounts.size(); ++f) {
+        if (f % together == 0) {
+            starts.push_back(vertex);
+        }
+        const int count = mesh.faceVertexCounts[f];
+        if (count < 3 || std::size_t(count) > mostCorners) {
+            return false;
+        }
+        vertex += std::size_t(count);
+    }
+    if (vertex != mesh.faceVertexIndices.size()) {
+        return false;
+    }
+    parallelFor(mesh.faceVertexCounts.size(), together, [&](std::size_t begin, std::size_t end) {
+        const int* corner = mesh.faceVertexIndices.data() + starts[begin / together];
+        for (std::size_t f = begin; f < end && intact; ++f) {
+            const int* const next = corner + mesh.faceVertexCounts[f];
+            for (const int* c = corner; c < next; ++c) {
+                if (*c < 0 || std::size_t(*c) >= mesh.points.size() || std::find(corner, c, *c) != c) {
+                    intact = false;
+                    return;
+                }
+            }
+            corner = next;
+        }
+    });
+    return intact;
 }
 
 Selection selectFaces(const ControlMesh& mesh, MeshRepairs& repairs) {
     Selection selection;
     const std::size_t cornerCount = mesh.faceVertexIndices.size();
+    if (isIntact(mesh)) {
+        selection.all = true;
+        return selection;
+    }
     std::vector<char> bad(mesh.points.size(), 0);
     for (std::size_t i = 0; i < mesh.points.size(); ++i) {
         bad[i] = !usable(mesh.points[i]);
@@ -120,7 +174,7 @@ bool applySelection(std::vector<T>& values, ControlMesh::Interpolation interpola
         if (values.size() != mesh.faceVertexCounts.size()) {
             return false;
         }
-        keep(values, selection.faces);
+        selection.keepFaces(values);
         return true;
     case Interpolation::Vertex:
         return values.size() == mesh.points.size();
@@ -128,7 +182,7 @@ bool applySelection(std::vector<T>& values, ControlMesh::Interpolation interpola
         if (values.size() != mesh.faceVertexIndices.size()) {
             return false;
         }
-        keep(values, selection.corners);
+        selection.keepCorners(values);
         return true;
     }
     return false;
@@ -140,7 +194,7 @@ void sanitizeUvs(ControlMesh& mesh, const Selection& selection, MeshRepairs& rep
     }
     bool valid = mesh.uvIndices.size() == mesh.faceVertexIndices.size();
     if (valid) {
-        keep(mesh.uvIndices, selection.corners);
+        selection.keepCorners(mesh.uvIndices);
         for (int i : mesh.uvIndices) {
             valid = valid && i >= 0 && std::size_t(i) < mesh.uvs.size();
         }
@@ -189,6 +243,9 @@ void sanitizeOrientation(ControlMesh& mesh, const Selection& selection, MeshRepa
 }
 
 void sanitizeHoles(ControlMesh& mesh, std::size_t givenFaces, const Selection& selection, MeshRepairs& repairs) {
+    if (mesh.holeIndices.empty()) {
+        return;
+    }
     std::vector<char> hole(givenFaces, 0);
     for (int f : mesh.holeIndices) {
         if (f >= 0 && std::size_t(f) < givenFaces) {
@@ -197,9 +254,10 @@ void sanitizeHoles(ControlMesh& mesh, std::size_t givenFaces, const Selection& s
             repairs.droppedTags = true;
         }
     }
+    selection.keepFaces(hole);
     mesh.holeIndices.clear();
-    for (std::size_t i = 0; i < selection.faces.size(); ++i) {
-        if (hole[std::size_t(selection.faces[i])]) {
+    for (std::size_t i = 0; i < hole.size(); ++i) {
+        if (hole[i]) {
             mesh.holeIndices.push_back(int(i));
         }
     }
@@ -307,13 +365,15 @@ MeshRepairs sanitize(ControlMesh& mesh) {
     sanitizeOrientation(mesh, selection, repairs);
     sanitizeHoles(mesh, givenFaces, selection, repairs);
     if (mesh.faceParts.size() == givenFaces) {
-        keep(mesh.faceParts, selection.faces);
+        selection.keepFaces(mesh.faceParts);
     } else {
         mesh.faceParts.clear();
     }
 
-    keep(mesh.faceVertexIndices, selection.corners);
-    mesh.faceVertexCounts = selection.counts;
+    selection.keepCorners(mesh.faceVertexIndices);
+    if (!selection.all) {
+        mesh.faceVertexCounts = selection.counts;
+    }
     for (Vec3f& p : mesh.points) {
         if (!usable(p)) {
             p = {};

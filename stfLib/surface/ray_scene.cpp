@@ -213,7 +213,8 @@ struct RayMesh::Impl {
     std::unique_ptr<Scene> inner;
 };
 
-RayMesh::RayMesh(std::vector<Vec3f> points, std::vector<Vec3i> triangles, std::vector<Vec3f> innerPoints)
+RayMesh::RayMesh(const std::vector<Vec3f>& points, const std::vector<Vec3i>& triangles,
+                 const std::vector<Vec3f>& innerPoints)
     : impl_(std::make_unique<Impl>()) {
     if (!innerPoints.empty() && innerPoints.size() != points.size()) {
         throw Error("the inner boundary has another number of points than the surface");

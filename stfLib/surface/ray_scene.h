@@ -30,7 +30,8 @@ struct RayHit {
 /// shared edges hit one of the triangles. Immutable after construction.
 class RayMesh {
 public:
-    RayMesh(std::vector<Vec3f> points, std::vector<Vec3i> triangles, std::vector<Vec3f> innerPoints = {});
+    RayMesh(const std::vector<Vec3f>& points, const std::vector<Vec3i>& triangles,
+            const std::vector<Vec3f>& innerPoints = {});
     ~RayMesh();
     RayMesh(const RayMesh&) = delete;
     RayMesh& operator=(const RayMesh&) = delete;

@@ -55,7 +55,7 @@ void compact(RefinedSurface& surface, SurfacePose* pose) {
         n = n < 0 ? n : used++;
     }
     const auto keepUsed = [&](auto& values) {
-        if (values.empty()) {
+        if (values.empty() || used == int(number.size())) {
             return;
         }
         for (std::size_t i = 0; i < number.size(); ++i) {
@@ -76,7 +76,8 @@ void compact(RefinedSurface& surface, SurfacePose* pose) {
     for (const Vec3f& p : surface.points) {
         surface.bounds.add(p);
     }
-    for (Vec3i& t : surface.triangles) {
+    for (std::size_t i = 0; used < int(number.size()) && i < surface.triangles.size(); ++i) {
+        Vec3i& t = surface.triangles[i];
         t = {number[std::size_t(t.x)], number[std::size_t(t.y)], number[std::size_t(t.z)]};
     }
 

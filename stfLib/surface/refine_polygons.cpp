@@ -21,79 +21,115 @@ Vec3d polygonNormal(const std::vector<Vec3d>& corners) {
     return normalize(sum);
 }
 
-/// Triangulates all faces but holes. Returns the face vertex of each corner, 3 per triangle.
-std::vector<std::size_t> triangulate(const ControlMesh& mesh, RefinedSurface& surface) {
-    std::vector<std::size_t> faceVertices;
+/// The faces of a mesh, each with where its face vertices and its triangles begin: two triangles fewer than corners,
+/// holes have none.
+class Faces {
+public:
+    struct Scratch {
+        std::vector<Vec3d> corners;
+        std::vector<Vec3i> triangles;
+    };
+
+    explicit Faces(const ControlMesh& mesh) : mesh_(mesh), hole_(mesh.holeIndices.empty() ? 0 : count(), 0) {
+        for (int f : mesh.holeIndices) {
+            hole_[std::size_t(f)] = 1;
+        }
+        for (std::size_t f = 0, vertex = 0; f < count(); ++f) {
+            if (f % kTogether == 0) {
+                starts_.push_back({vertex, triangles_});
+            }
+            vertex += cornersOf(f);
+            triangles_ += trianglesOf(f);
+        }
+    }
+
+    std::size_t count() const { return mesh_.faceVertexCounts.size(); }
+    std::size_t triangles() const { return triangles_; }
+    std::size_t trianglesOf(std::size_t f) const {
+        return !hole_.empty() && hole_[f] ? 0 : cornersOf(f) - 2;
+    } // 3 at least
+
+    /// body(face, its first face vertex, its first triangle, scratch) on all threads; scratch has the corners' places.
+    template<class Body>
+    void forEach(const std::vector<Vec3f>& points, const Body& body) const {
+        parallelFor(count(), kTogether, [&](std::size_t begin, std::size_t end) {
+            Start at = starts_[begin / kTogether];
+            Scratch scratch;
+            for (std::size_t f = begin; f < end; ++f) {
+                scratch.corners.clear();
+                for (std::size_t i = at.vertex; i < at.vertex + cornersOf(f); ++i) {
+                    scratch.corners.emplace_back(points[std::size_t(mesh_.faceVertexIndices[i])]);
+                }
+                body(f, at.vertex, at.triangle, scratch);
+                at.vertex += cornersOf(f);
+                at.triangle += trianglesOf(f);
+            }
+        });
+    }
+
+private:
+    struct Start {
+        std::size_t vertex, triangle;
+    };
+    std::size_t cornersOf(std::size_t f) const { return std::size_t(mesh_.faceVertexCounts[f]); }
+
+    const ControlMesh& mesh_;
+    std::vector<char> hole_;    // empty: none is
+    std::vector<Start> starts_; // of every kTogether faces
+    std::size_t triangles_ = 0;
+};
+
+/// Triangulates all faces but holes; `faceVertices`, where given, gets the face vertex of each corner, 3 per triangle.
+void triangulate(const ControlMesh& mesh, const Faces& faces, RefinedSurface& surface,
+                 std::vector<std::size_t>* faceVertices) {
     std::vector<int> uvIndices;
     if (!mesh.uvIndices.empty()) {
         weldUvs(mesh, surface.uvs, uvIndices);
     }
-    std::vector<char> hole(mesh.faceVertexCounts.size(), 0);
-    for (int f : mesh.holeIndices) {
-        hole[std::size_t(f)] = 1;
+    surface.triangles.resize(faces.triangles());
+    surface.triangleFace.resize(faces.triangles());
+    surface.uvTriangles.resize(uvIndices.empty() ? 0 : faces.triangles());
+    if (faceVertices) {
+        faceVertices->resize(3 * faces.triangles());
     }
-    // Two triangles fewer than corners to a face.
-    const std::size_t expected =
-        mesh.faceVertexIndices.size() - std::min(mesh.faceVertexIndices.size(), 2 * mesh.faceVertexCounts.size());
-    surface.triangles.reserve(expected);
-    surface.triangleFace.reserve(expected);
-    surface.uvTriangles.reserve(uvIndices.empty() ? 0 : expected);
-    faceVertices.reserve(3 * expected);
-    std::vector<Vec3d> corners;
-    std::vector<Vec3i> triangles;
-    std::size_t begin = 0;
-    for (std::size_t f = 0; f < mesh.faceVertexCounts.size(); ++f) {
-        const std::size_t count = std::size_t(mesh.faceVertexCounts[f]);
-        if (!hole[f]) {
-            corners.clear();
-            for (std::size_t i = 0; i < count; ++i) {
-                corners.emplace_back(mesh.points[std::size_t(mesh.faceVertexIndices[begin + i])]);
-            }
-            triangles.clear();
-            triangulateFace(corners, triangles);
-            for (const Vec3i& t : triangles) {
-                const auto pick = [&](const std::vector<int>& from) {
-                    return Vec3i(from[begin + std::size_t(t.x)], from[begin + std::size_t(t.y)],
-                                 from[begin + std::size_t(t.z)]);
-                };
-                surface.triangles.push_back(pick(mesh.faceVertexIndices));
-                surface.triangleFace.push_back(int(f));
-                if (!uvIndices.empty()) {
-                    surface.uvTriangles.push_back(pick(uvIndices));
-                }
-                for (int c = 0; c < 3; ++c) {
-                    faceVertices.push_back(begin + std::size_t(t[c]));
-                }
-            }
+    faces.forEach(mesh.points, [&](std::size_t f, std::size_t vertex, std::size_t triangle, Faces::Scratch& scratch) {
+        if (faces.trianglesOf(f) == 0) {
+            return;
         }
-        begin += count;
-    }
-    return faceVertices;
-}
-
-/// Normals of the triangles' corners, for the mesh's points being at `points`: authored ones, where they are of that
-/// pose, else the facets'.
-std::vector<Vec3f> normalsOfCorners(const ControlMesh& mesh, const std::vector<Vec3f>& points, bool authored,
-                                    const std::vector<std::size_t>& faceVertices, const std::vector<int>& faces) {
-    using Interpolation = ControlMesh::Interpolation;
-    std::vector<std::size_t> begins;
-    begins.reserve(mesh.faceVertexCounts.size());
-    std::size_t next = 0;
-    for (const int count : mesh.faceVertexCounts) {
-        begins.push_back(next);
-        next += std::size_t(count);
-    }
-    std::vector<Vec3f> facets(begins.size());
-    parallelFor(begins.size(), kTogether, [&](std::size_t begin, std::size_t end) {
-        std::vector<Vec3d> corners;
-        for (std::size_t f = begin; f < end; ++f) {
-            corners.clear();
-            for (std::size_t i = begins[f]; i < begins[f] + std::size_t(mesh.faceVertexCounts[f]); ++i) {
-                corners.emplace_back(points[std::size_t(mesh.faceVertexIndices[i])]);
+        scratch.triangles.clear();
+        triangulateFace(scratch.corners, scratch.triangles);
+        for (const Vec3i& t : scratch.triangles) {
+            const auto pick = [&](const std::vector<int>& from) {
+                return Vec3i(from[vertex + std::size_t(t.x)], from[vertex + std::size_t(t.y)],
+                             from[vertex + std::size_t(t.z)]);
+            };
+            surface.triangles[triangle] = pick(mesh.faceVertexIndices);
+            surface.triangleFace[triangle] = int(f);
+            if (!uvIndices.empty()) {
+                surface.uvTriangles[triangle] = pick(uvIndices);
             }
-            facets[f] = Vec3f(polygonNormal(corners));
+            for (int c = 0; faceVertices && c < 3; ++c) {
+                (*faceVertices)[3 * triangle + std::size_t(c)] = vertex + std::size_t(t[c]);
+            }
+            ++triangle;
         }
     });
+}
+
+/// Normal of each face for the mesh's points being at `points`; zero where it is degenerate.
+std::vector<Vec3f> normalsOfFaces(const Faces& faces, const std::vector<Vec3f>& points) {
+    std::vector<Vec3f> normals(faces.count());
+    faces.forEach(points, [&](std::size_t f, std::size_t, std::size_t, const Faces::Scratch& scratch) {
+        normals[f] = Vec3f(polygonNormal(scratch.corners));
+    });
+    return normals;
+}
+
+/// Normals of the triangles' corners: authored ones, where they are of the pose that the facets are in, else the
+/// facets'.
+std::vector<Vec3f> normalsOfCorners(const ControlMesh& mesh, const std::vector<Vec3f>& facets, bool authored,
+                                    const std::vector<std::size_t>& faceVertices, const std::vector<int>& faces) {
+    using Interpolation = ControlMesh::Interpolation;
     std::vector<Vec3f> normals(faceVertices.size());
     parallelFor(faceVertices.size(), kTogether, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
@@ -271,10 +307,19 @@ RefinedSurface refinePolygons(const ControlMesh& mesh, const RefineOptions& opti
     surface.points = mesh.points;
     surface.colors = controlPointValues(mesh, mesh.colors, mesh.colorInterpolation);
     surface.orientation = controlPointValues(mesh, mesh.orientation, mesh.orientationInterpolation);
-    const std::vector<std::size_t> faceVertices = triangulate(mesh, surface);
+    const Faces faces(mesh);
+    if (!options.pointNormals && !pose && mesh.normals.empty() && !(options.targetEdge > 0)) {
+        triangulate(mesh, faces, surface, nullptr);
+        surface.faceNormals = normalsOfFaces(faces, mesh.points);
+        normalizeOrientation(surface.orientation);
+        return surface;
+    }
+    std::vector<std::size_t> faceVertices;
+    triangulate(mesh, faces, surface, &faceVertices);
     const auto shade = [&](const std::vector<Vec3f>& points, bool authored, std::vector<Vec3f>& normals,
                            std::vector<Vec3f>& cornerNormals) {
-        cornerNormals = normalsOfCorners(mesh, points, authored, faceVertices, surface.triangleFace);
+        cornerNormals =
+            normalsOfCorners(mesh, normalsOfFaces(faces, points), authored, faceVertices, surface.triangleFace);
         normals = normalsOfPoints(points, surface.triangles, cornerNormals);
         if (smooth(surface.triangles, cornerNormals, normals)) {
             cornerNormals.clear();

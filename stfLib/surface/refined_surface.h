@@ -20,6 +20,9 @@ struct RefinedSurface {
     /// Shading normals per triangle corner (3 per triangle) where the mesh is faceted or has authored face-varying
     /// normals; empty: use `normals`.
     std::vector<Vec3f> cornerNormals;
+    /// Shading normals by `triangleFace`, where nobody asked for normals of points and facets are all there is: then
+    /// `normals` and `cornerNormals` are empty.
+    std::vector<Vec3f> faceNormals;
     Box3f bounds;
 };
 
@@ -44,6 +47,8 @@ struct RefineOptions {
     std::size_t maxTriangles = 2'000'000;
     /// The same for levels that only `targetEdge` asks for, without a word; levels up to `level` are made all the same.
     std::size_t maxEdgeTriangles = 2'000'000;
+    /// Whether each point needs a normal (shells do); a faceted mesh can do without.
+    bool pointNormals = true;
 };
 
 /// Refines a sanitized mesh by OpenSubdiv (uniform levels, then vertices are moved to the limit surface; limit normals

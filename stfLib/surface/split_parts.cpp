@@ -48,12 +48,16 @@ private:
 } // namespace
 
 std::vector<SurfacePart> splitByPart(RefinedSurface whole, const std::vector<int>& faceParts) {
+    std::vector<SurfacePart> parts;
+    if (faceParts.empty()) {
+        parts.push_back({std::move(whole), 0});
+        return parts;
+    }
     std::map<int, std::vector<std::size_t>> triangles;
     for (std::size_t t = 0; t < whole.triangles.size(); ++t) {
         const std::size_t face = std::size_t(whole.triangleFace[t]);
         triangles[face < faceParts.size() ? faceParts[face] : 0].push_back(t);
     }
-    std::vector<SurfacePart> parts;
     if (triangles.size() == 1) {
         parts.push_back({std::move(whole), triangles.begin()->first});
         return parts;

@@ -50,9 +50,10 @@ std::string addMaterial(Session& s, Random& r) {
     UsdShadeShader texture = UsdShadeShader::Define(s.stage, path.AppendChild(TfToken("Texture")));
     texture.CreateIdAttr(VtValue(TfToken("UsdUVTexture")));
     texture.CreateInput(TfToken("file"), SdfValueTypeNames->Asset).Set(SdfAssetPath(s.files.image(0)));
-    texture.CreateInput(TfToken("st"), SdfValueTypeNames->Float2).ConnectToSource(reader, TfToken("result"));
+    texture.CreateInput(TfToken("st"), SdfValueTypeNames->Float2)
+        .ConnectToSource(reader.ConnectableAPI(), TfToken("result"));
     texture.CreateOutput(TfToken("rgb"), SdfValueTypeNames->Float3);
-    material.CreateSurfaceOutput().ConnectToSource(surface, TfToken("surface"));
+    material.CreateSurfaceOutput().ConnectToSource(surface.ConnectableAPI(), TfToken("surface"));
     return "add " + path.GetString() + bindToAny(s, material, r);
 }
 
@@ -67,7 +68,7 @@ std::string addShell(Session& s, Random& r) {
     shell.CreateIdAttr(VtValue(TfToken("StfShell")));
     shell.CreateInput(TfToken("baseVolume"), SdfValueTypeNames->Asset).Set(SdfAssetPath(s.files.volume(0)));
     shell.CreateOutput(TfToken("surface"), SdfValueTypeNames->Token);
-    material.CreateSurfaceOutput(TfToken("stf")).ConnectToSource(shell, TfToken("surface"));
+    material.CreateSurfaceOutput(TfToken("stf")).ConnectToSource(shell.ConnectableAPI(), TfToken("surface"));
     return "add " + path.GetString() + bindToAny(s, material, r);
 }
 
@@ -128,7 +129,7 @@ std::string connectTexture(Session& s, Random& r) {
     if (!texture) {
         return {};
     }
-    color.ConnectToSource(UsdShadeShader(texture), TfToken("rgb"));
+    color.ConnectToSource(UsdShadeShader(texture).ConnectableAPI(), TfToken("rgb"));
     return "connect " + color.GetAttr().GetPath().GetString();
 }
 

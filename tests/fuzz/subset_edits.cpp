@@ -69,7 +69,11 @@ std::string link(Session& s, Random& r) {
         return {};
     }
     const TfToken name(r.of({"lightLink", "shadowLink"}));
+#if PXR_VERSION >= 2102
+    const UsdCollectionAPI collection = UsdCollectionAPI::Apply(light, name);
+#else
     const UsdCollectionAPI collection = UsdCollectionAPI::ApplyCollection(light, name);
+#endif
     SdfPathVector members;
     for (const UsdPrim& prim : s.prims<UsdGeomGprim>()) {
         if (r.chance(0.5) && !isInstanced(prim)) {

@@ -24,11 +24,21 @@ using Complain = std::function<void(const std::string&)>;
 constexpr int largest = 32768; // pixels
 
 UsdRenderSpec computeSpec(const UsdRenderSettings& settings, UsdTimeCode time) {
-#if PXR_VERSION >= 2211
+#if PXR_VERSION >= 2305
     (void)time; // since then the attributes are uniform
-    return UsdRenderComputeSpec(settings, {"stf:"});
+    return UsdRenderComputeSpec(settings, {TfToken("stf")});
 #else
     return UsdRenderComputeSpec(settings, time, {"stf:"});
+#endif
+}
+
+/// Attributes of the namespace stf, of a spec or of a product.
+template<class Spec>
+const VtDictionary& stfSettings(const Spec& spec) {
+#if PXR_VERSION >= 2305
+    return spec.namespacedSettings;
+#else
+    return spec.extraSettings;
 #endif
 }
 
@@ -71,8 +81,8 @@ Product readProduct(const UsdStagePtr& stage, const UsdRenderSpec& spec, const U
     if (low != GfVec2f(0) || high != GfVec2f(1)) {
         product.dataWindow = {{low[0], low[1], high[0], high[1]}};
     }
-    product.settings = spec.extraSettings;
-    for (const auto& [key, value] : given.extraSettings) {
+    product.settings = stfSettings(spec);
+    for (const auto& [key, value] : stfSettings(given)) {
         product.settings[key] = value;
     }
     bool instantaneous = false;

@@ -59,6 +59,45 @@ TEST(Sanitize, DropsFacesThatCannotBeUsed) {
     }
 }
 
+// Meshes without a fault are passed at once; one bad face more, anywhere, changes nothing for the others.
+TEST(Sanitize, OneBadFaceCostsNoOther) {
+    ControlMesh good = rectangle(1, 1, 200, 180);
+    good.holeIndices = {7, 20000};
+    good.colors.resize(good.faceVertexCounts.size());
+    good.colorInterpolation = ControlMesh::Interpolation::Uniform;
+    for (std::size_t f = 0; f < good.colors.size(); ++f) {
+        good.colors[f] = Rgb(float(f % 11) / 11);
+    }
+    ControlMesh passed = good;
+    EXPECT_EQ(sanitize(passed).summary(), "");
+    EXPECT_EQ(passed.faceVertexCounts, good.faceVertexCounts);
+    EXPECT_EQ(passed.holeIndices, good.holeIndices);
+    const int last = int(good.points.size()) - 1;
+    for (const std::vector<int>& bad : {std::vector<int>{0, 1}, {0, 1, 0, 2}, {0, 1, last + 1}, {-1, 1, 2}}) {
+        ControlMesh mended = good;
+        mended.faceVertexCounts.push_back(int(bad.size()));
+        mended.faceVertexIndices.insert(mended.faceVertexIndices.end(), bad.begin(), bad.end());
+        mended.uvIndices.insert(mended.uvIndices.end(), bad.size(), 0);
+        mended.colors.push_back(Rgb(0.5f));
+        EXPECT_EQ(sanitize(mended).droppedFaces, 1);
+        EXPECT_EQ(mended.faceVertexCounts, passed.faceVertexCounts);
+        EXPECT_EQ(mended.faceVertexIndices, passed.faceVertexIndices);
+        EXPECT_EQ(mended.uvIndices, passed.uvIndices);
+        EXPECT_EQ(mended.colors, passed.colors);
+        EXPECT_EQ(mended.holeIndices, passed.holeIndices);
+    }
+    // Face vertices of no face are dropped too.
+    ControlMesh longer = good;
+    longer.faceVertexIndices.push_back(0);
+    longer.uvIndices.push_back(0);
+    sanitize(longer);
+    EXPECT_EQ(longer.faceVertexIndices, passed.faceVertexIndices);
+    EXPECT_EQ(longer.uvIndices, passed.uvIndices);
+    ControlMesh torn = good;
+    torn.points[std::size_t(last)].y = std::nanf("");
+    EXPECT_EQ(sanitize(torn).droppedFaces, 1);
+}
+
 TEST(Sanitize, EndsAtACountBeyondTheIndices) {
     ControlMesh mesh;
     mesh.points = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}};

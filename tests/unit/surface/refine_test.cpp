@@ -299,6 +299,47 @@ TEST(Refine, PolygonsAreFacetedUnlessNormalsAreAuthored) {
     }
 }
 
+// What nobody needs is not made, all else is the same; over more faces than one thread takes at a time, with holes.
+TEST(Refine, WithoutNormalsOfPointsFacesHaveTheirs) {
+    ControlMesh mesh = rectangle(1, 1, 120, 80);
+    for (std::size_t i = 0; i < mesh.points.size(); ++i) {
+        mesh.points[i].z += 0.01f * float(i * i % 7);
+    }
+    mesh.points.push_back({5, 5, 5}); // of no face
+    const int n = int(mesh.points.size()) - 1;
+    addFace(mesh, {0, n, 1});
+    mesh.uvs.clear();
+    mesh.uvIndices.clear();
+    mesh.scheme = ControlMesh::Scheme::None;
+    mesh.holeIndices = {3, 4095, 4096, 9000};
+    for (const bool leftHanded : {false, true}) {
+        mesh.leftHanded = leftHanded;
+        ControlMesh given = mesh;
+        EXPECT_EQ(sanitize(given).summary(), "");
+        RefineOptions options;
+        const RefinedSurface full = refine(given, options, {});
+        options.pointNormals = false;
+        const RefinedSurface lean = refine(given, options, {});
+        EXPECT_EQ(lean.triangles.size(), 2u * (120 * 80 - 4) + 1);
+        EXPECT_EQ(lean.points, full.points);
+        EXPECT_EQ(lean.triangles, full.triangles);
+        EXPECT_EQ(lean.triangleFace, full.triangleFace);
+        EXPECT_TRUE(lean.normals.empty() && lean.cornerNormals.empty());
+        ASSERT_EQ(full.cornerNormals.size(), 3 * full.triangles.size());
+        for (std::size_t t = 0; t < lean.triangles.size(); ++t) {
+            for (std::size_t c = 0; c < 3; ++c) {
+                ASSERT_EQ(lean.faceNormals[std::size_t(lean.triangleFace[t])], full.cornerNormals[3 * t + c]);
+            }
+        }
+        // Authored normals are used all the same.
+        given.normals.assign(1, normalize(Vec3f(0.1f, 0.1f, leftHanded ? -1 : 1)));
+        given.normalInterpolation = ControlMesh::Interpolation::Constant;
+        const RefinedSurface shaded = refine(given, options, {});
+        EXPECT_TRUE(shaded.faceNormals.empty());
+        EXPECT_EQ(shaded.normals.size(), shaded.points.size());
+    }
+}
+
 TEST(Refine, ConcavePolygonsAreCoveredOnce) {
     ControlMesh mesh;
     mesh.scheme = ControlMesh::Scheme::None;
