@@ -28,6 +28,12 @@
 /// of all prims, as `SetRefineLevelFallback` from 26.05 on.
 #define HDSTF_HAS_STAGE_SCENE_INDICES (HD_API_VERSION >= 56)
 #define HDSTF_HAS_REFINE_LEVEL_FALLBACK (HD_API_VERSION >= 97)
+/// Scene delegates are behind scene indices and no longer asked themselves for a prim's path in the scene; prims of
+/// scene indices know where they are from (from 23.11, where hdStf asks).
+#define HDSTF_HAS_PRIM_ORIGINS (HD_API_VERSION >= 56)
+/// Edits of a material's binding arrive by scene indices, and so do those of subsets (from 24.08; in 24.05 the one that
+/// resolves bindings drops them).
+#define HDSTF_HAS_BINDING_EDITS (HD_API_VERSION >= 68)
 /// Transforms and primvars are sampled over an interval that the renderer names (from 24.08); before that over the
 /// shutter of the camera that the host named to UsdImaging, and under scene indices not at all.
 #define HDSTF_HAS_SAMPLING_INTERVAL (HD_API_VERSION >= 68)

@@ -95,7 +95,7 @@ void HdStfLight::Sync(HdSceneDelegate* sceneDelegate, HdRenderParam* renderParam
         const auto links = [](stf::Light const& l) { return !l.lightLink.empty() || !l.shadowLink.empty(); };
         if (links(light) || links(_light)) {
             // UsdImaging tells a light that its collections have changed, but not the prims in them.
-            param->MarkAllDirty(sceneDelegate->GetRenderIndex().GetChangeTracker(), HdChangeTracker::DirtyCategories);
+            param->MarkAllDirty(sceneDelegate->GetRenderIndex(), HdChangeTracker::DirtyCategories);
         }
     }
     if (_inScene && light == _light) {

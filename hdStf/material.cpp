@@ -36,7 +36,7 @@ void HdStfMaterial::Sync(HdSceneDelegate* sceneDelegate, HdRenderParam* renderPa
     }
     if (_uvPrimvar != before || !(_shell == shellBefore)) {
         // Which coordinates meshes take, and which shell, is theirs to pull, and they sync after materials.
-        param.MarkAllDirty(sceneDelegate->GetRenderIndex().GetChangeTracker(), HdChangeTracker::DirtyPrimvar);
+        param.MarkAllDirty(sceneDelegate->GetRenderIndex(), HdChangeTracker::DirtyPrimvar);
     }
 }
 

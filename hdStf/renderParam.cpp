@@ -1,6 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStf/renderParam.h"
 
+#include "hdStf/hydraCompat.h"
+
+#include "pxr/imaging/hd/renderIndex.h"
+#include "pxr/imaging/hd/sceneDelegate.h"
+
+#if HDSTF_HAS_PRIM_ORIGINS
+#include "pxr/imaging/hd/dirtyBitsTranslator.h"
+#include "pxr/imaging/hd/sceneIndex.h"
+#include "pxr/imaging/hd/sceneIndexObserver.h"
+#endif
+
 #include <algorithm>
 
 PXR_NAMESPACE_OPEN_SCOPE
@@ -12,9 +23,27 @@ stf::Scene& HdStfRenderParam::AcquireSceneForEdit() {
     return _scene;
 }
 
-void HdStfRenderParam::MarkAllDirty(HdChangeTracker& tracker, HdDirtyBits bits) {
+void HdStfRenderParam::MarkAllDirty(HdRenderIndex& index, HdDirtyBits bits) {
     std::lock_guard<std::mutex> lock(_gate);
-    tracker.MarkAllRprimsDirty(bits);
+    index.GetChangeTracker().MarkAllRprimsDirty(bits);
+#if HDSTF_HAS_PRIM_ORIGINS
+    // That reaches the prims of scene delegates alone. For those of scene indices, whoever brings them to the render
+    // index is told as if they had changed; it is all of them, so that one observer is enough.
+    HdSceneIndexBaseRefPtr const scene = index.GetTerminalSceneIndex();
+    HdSceneIndexObserver* observer = nullptr;
+    HdSceneIndexObserver::DirtiedPrimEntries entries;
+    for (SdfPath const& id : scene ? index.GetRprimIds() : SdfPathVector()) {
+        if (auto* const own = dynamic_cast<HdSceneIndexObserver*>(index.GetSceneDelegateForRprim(id))) {
+            observer = own;
+            HdDataSourceLocatorSet locators;
+            HdDirtyBitsTranslator::RprimDirtyBitsToLocatorSet(scene->GetPrim(id).primType, bits, &locators);
+            entries.push_back({id, locators});
+        }
+    }
+    if (observer) {
+        observer->PrimsDirtied(*scene, entries);
+    }
+#endif
 }
 
 void HdStfRenderParam::ForgetBuffer(HdStfRenderBuffer const* buffer) {
@@ -45,11 +74,11 @@ stf::Shutter HdStfRenderParam::GetShutter() const {
     return all;
 }
 
-void HdStfRenderParam::FollowShutter(HdChangeTracker& tracker) {
+void HdStfRenderParam::FollowShutter(HdRenderIndex& index) {
     const stf::Shutter shutter = GetShutter();
     if (!(shutter == _followedShutter)) {
         _followedShutter = shutter;
-        MarkAllDirty(tracker, HdChangeTracker::DirtyTransform);
+        MarkAllDirty(index, HdChangeTracker::DirtyTransform);
     }
 }
 

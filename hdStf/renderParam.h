@@ -41,10 +41,10 @@ public:
     stf::Shutter GetShutter() const;
     /// Between cameras' sync and that of the prims: where the shutter is another than at the last call, prims have to
     /// tell how they move anew. Cameras themselves cannot see that: some go without being there to sync.
-    void FollowShutter(HdChangeTracker& tracker);
+    void FollowShutter(HdRenderIndex& index);
 
     /// Has all rprims pull something again, with this sync.
-    void MarkAllDirty(HdChangeTracker& tracker, HdDirtyBits bits);
+    void MarkAllDirty(HdRenderIndex& index, HdDirtyBits bits);
 
     /// A render buffer goes away: nothing may be written to it any more.
     void ForgetBuffer(HdStfRenderBuffer const* buffer);

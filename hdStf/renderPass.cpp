@@ -42,7 +42,7 @@ bool HdStfRenderPass::IsConverged() const {
 }
 
 void HdStfRenderPass::_Sync() {
-    _param.FollowShutter(GetRenderIndex()->GetChangeTracker());
+    _param.FollowShutter(*GetRenderIndex());
 }
 
 void HdStfRenderPass::_Execute(HdRenderPassStateSharedPtr const& renderPassState, TfTokenVector const& renderTags) {

@@ -4,6 +4,7 @@
 #include "hdStf/conversions.h"
 #include "hdStf/instancer.h"
 #include "hdStf/renderParam.h"
+#include "hdStf/scenePaths.h"
 
 #include "pxr/imaging/hd/renderIndex.h"
 #include "pxr/imaging/hd/sceneDelegate.h"
@@ -34,7 +35,7 @@ void _NameInstances(HdSceneDelegate* sceneDelegate, SdfPath const& id, std::vect
     for (stf::MeshInstance& instance : instances) {
         instance.name = instances.size() > _mostNamedInstances
                             ? id.GetString()
-                            : sceneDelegate->GetScenePrimPath(id, instance.instanceId).GetString();
+                            : HdStfScenePath(sceneDelegate, id, instance.instanceId).GetString();
         ++uses[instance.name];
     }
     for (stf::MeshInstance& instance : instances) {

@@ -60,8 +60,9 @@ float total(const std::vector<std::map<std::uint32_t, float>>& pixels, std::uint
 
 TEST(Cryptomatte, CoveragesSumToAlphaAndIdsAreInTheManifest) {
     TestHost host(testScene("color3f[] primvars:displayColor = [(0.5, 0.5, 0.5)]",
-                            "def Sphere \"Ball\" { double radius = 0.7\n double3 xformOp:translate = (-0.6, 0, 0.2)\n"
-                            "uniform token[] xformOpOrder = [\"xformOp:translate\"]\n }"),
+                            "def Mesh \"Ball\" {\n int[] faceVertexCounts = [3]\n int[] faceVertexIndices = [0, 1, 2]\n"
+                            "point3f[] points = [(-1.3, -0.7, 0.2), (0.6, -0.5, 0.2), (-0.4, 0.8, 0.2)]\n"
+                            "uniform token subdivisionScheme = \"none\"\n }"),
                   aovs, width, height);
     host.delegate->SetRenderSetting(TfToken("stf:samples"), VtValue(32));
     ASSERT_TRUE(host.renderToEnd());
@@ -126,9 +127,9 @@ def "Kind" {
         point3f[] points = [(-1, -1, 0), (-0.1, -1, 0), (-0.1, -0.1, 0), (-1, -0.1, 0)]
     }
 }
-def "A" ( instanceable = true
+def Xform "A" ( instanceable = true
     references = </Kind> ) {}
-def "B" ( instanceable = true
+def Xform "B" ( instanceable = true
     references = </Kind> ) { double3 xformOp:translate = (0, 1.1, 0)
     uniform token[] xformOpOrder = ["xformOp:translate"]
 }

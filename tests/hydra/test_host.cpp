@@ -31,6 +31,10 @@ bool TestHost::motionIsSampled() {
     return HDSTF_HAS_SAMPLING_INTERVAL || !byIndices();
 }
 
+bool TestHost::bindingEditsArrive() {
+    return HDSTF_HAS_BINDING_EDITS || !byIndices();
+}
+
 class TestHost::Buffers final : public HdSceneDelegate {
 public:
     explicit Buffers(HdRenderIndex* index) : HdSceneDelegate(index, SdfPath("/__buffers")) {}

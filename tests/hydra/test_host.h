@@ -31,6 +31,8 @@ public:
     static bool byIndices();
     /// Whether this OpenUSD gives transforms over a shutter, the way the stage comes in.
     static bool motionIsSampled();
+    /// Whether edits of bindings and of subsets arrive, the way the stage comes in.
+    static bool bindingEditsArrive();
 
     PXR_NS::UsdStageRefPtr stage;
     std::unique_ptr<PXR_NS::HdStfRenderDelegate> delegate;
