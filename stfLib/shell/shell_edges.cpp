@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stfLib/shell/shell_edges.h"
 
+#include "stfLib/base/parallel_sort.h"
+
 #include <cstring>
-#include <tbb/parallel_sort.h>
 
 namespace stf {
 
@@ -87,7 +88,7 @@ ShellEdges findEdges(const RefinedSurface& surface, const ExemplarMap& map) {
             edges.push_back({h[c] + h[(c + 1) % 3], std::uint32_t(t), std::uint8_t(c)});
         }
     }
-    tbb::parallel_sort(edges.begin(), edges.end());
+    parallelSort(edges.begin(), edges.end());
     ShellEdges out;
     const EdgeReader read(surface, map);
     for (std::size_t i = 0, end; i < edges.size(); i = end) {

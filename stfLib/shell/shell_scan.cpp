@@ -2,10 +2,10 @@
 #include "stfLib/shell/shell_scan.h"
 
 #include "stfLib/base/parallel.h"
+#include "stfLib/base/parallel_sort.h"
 #include "stfLib/shell/shell_prism.h"
 
 #include <atomic>
-#include <tbb/parallel_sort.h>
 
 namespace stf {
 
@@ -231,7 +231,7 @@ void Scanner::listBricks() {
         std::vector<BrickTriangle>().swap(c);
     }
     // Pairs are unique, so the order does not depend on how the sort is divided.
-    tbb::parallel_sort(pairs_.begin(), pairs_.end());
+    parallelSort(pairs_.begin(), pairs_.end());
     for (std::size_t i = 0; i < pairs_.size();) {
         std::size_t end = i + 1;
         while (end < pairs_.size() && pairs_[end].brick == pairs_[i].brick) {
