@@ -2,6 +2,7 @@
 #include "edit_tools.h"
 
 #include "pxr/usd/sdf/assetPath.h"
+#include "pxr/usd/usdGeom/subset.h"
 #include "pxr/usd/usdShade/material.h"
 #include "pxr/usd/usdShade/materialBindingAPI.h"
 #include "pxr/usd/usdShade/shader.h"
@@ -186,14 +187,29 @@ std::string unbind(Session& s, Random& r) {
     return "unbind the material of " + mesh.GetPath().GetString();
 }
 
+/// One that may go. UsdImaging does not tell a mesh that the material of a subset is gone: its faces show their
+/// displayColor, as they should, but go on being a part of their own, which draws other lots.
+UsdPrim anyOfNoSubset(Session& s, Random& r) {
+    SdfPathSet bound;
+    for (const UsdPrim& subset : s.prims<UsdGeomSubset>()) {
+        bound.insert(UsdShadeMaterialBindingAPI(subset).GetDirectBinding().GetMaterialPath());
+    }
+    std::vector<UsdPrim> free;
+    for (const UsdPrim& material : s.prims<UsdShadeMaterial>()) {
+        if (!bound.count(material.GetPath())) {
+            free.push_back(material);
+        }
+    }
+    return anyOf(free, r);
+}
+
 } // namespace
 
 void addMaterialEdits(EditKinds& kinds) {
     kinds.push_back({"material: add", 3, addMaterial});
-    kinds.push_back({"material: remove", 1,
-                     [](Session& s, Random& r) { return removePrim(s, anyOf(s.prims<UsdShadeMaterial>(), r)); }});
-    kinds.push_back({"material: rename", 1,
-                     [](Session& s, Random& r) { return renamePrim(s, anyOf(s.prims<UsdShadeMaterial>(), r), r); }});
+    kinds.push_back({"material: remove", 1, [](Session& s, Random& r) { return removePrim(s, anyOfNoSubset(s, r)); }});
+    kinds.push_back(
+        {"material: rename", 1, [](Session& s, Random& r) { return renamePrim(s, anyOfNoSubset(s, r), r); }});
     kinds.push_back({"material: surface", 4, setSurface});
     kinds.push_back({"material: connect a texture", 3, connectTexture});
     kinds.push_back({"material: texture", 3, setTexture});
