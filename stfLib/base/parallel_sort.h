@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+// Private to stfLib's sources: names TBB.
 #include "stfLib/base/tbb_guard.h"
 #include "stfLib/base/thread_sanitizer.h"
 
