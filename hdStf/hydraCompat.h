@@ -2,7 +2,7 @@
 #pragma once
 
 /// \file hydraCompat.h
-/// What differs between the Hydras of OpenUSD 20.08 to 25.x, as named features. No other file of hdStf asks for a
+/// What differs between the Hydras of OpenUSD 20.08 to 26.x, as named features. No other file of hdStf asks for a
 /// version. Hosts back-port Hydra changes, so features follow HD_API_VERSION; PXR_VERSION decides only where the API
 /// version did not move with the change.
 
@@ -28,12 +28,19 @@
 /// of all prims, as `SetRefineLevelFallback` from 26.05 on.
 #define HDSTF_HAS_STAGE_SCENE_INDICES (HD_API_VERSION >= 56)
 #define HDSTF_HAS_REFINE_LEVEL_FALLBACK (HD_API_VERSION >= 97)
+/// Scene indices can be switched off for a process (to 26.05).
+#define HDSTF_HAS_SCENE_INDEX_SWITCH (HD_API_VERSION >= 56 && HD_API_VERSION < 99)
 /// Scene delegates are behind scene indices and no longer asked themselves for a prim's path in the scene; prims of
 /// scene indices know where they are from (from 23.11, where hdStf asks).
 #define HDSTF_HAS_PRIM_ORIGINS (HD_API_VERSION >= 56)
+/// Prims may mark others as changed while all are synced (to 26.03); later Hydra holds that for an error.
+#define HDSTF_HAS_DIRTYING_IN_SYNC (HD_API_VERSION < 94)
 /// Edits of a material's binding arrive by scene indices, and so do those of subsets (from 24.08; in 24.05 the one that
 /// resolves bindings drops them).
 #define HDSTF_HAS_BINDING_EDITS (HD_API_VERSION >= 68)
+/// UsdImaging leaves light and shadow links as collections, and a scene index resolves them (from 24.08); before that
+/// only scene delegates know links.
+#define HDSTF_HAS_LINKS_AS_COLLECTIONS (HD_API_VERSION >= 71)
 /// Transforms and primvars are sampled over an interval that the renderer names (from 24.08); before that over the
 /// shutter of the camera that the host named to UsdImaging, and under scene indices not at all.
 #define HDSTF_HAS_SAMPLING_INTERVAL (HD_API_VERSION >= 68)

@@ -157,10 +157,9 @@ private:
         }
         map.wrapS = _ToWrap(GetToken(node, tokens.wrapS));
         map.wrapT = _ToWrap(GetToken(node, tokens.wrapT));
+        // From 26.02 on Hydra knows the input only as the colour space of the file.
         const std::string space = GetToken(node, tokens.sourceColorSpace);
-        map.colorSpace = space == "sRGB"  ? stf::TextureMap::ColorSpace::Srgb
-                         : space == "raw" ? stf::TextureMap::ColorSpace::Raw
-                                          : stf::TextureMap::ColorSpace::Auto;
+        map.colorSpace = _ToColorSpace(space.empty() ? GetToken(node, tokens.fileColorSpace) : space);
         const auto vector = [&](TfToken const& name, stf::TextureMap::Rgba* value) {
             const GfVec4f v = Get(node, name, GfVec4f((*value)[0], (*value)[1], (*value)[2], (*value)[3]));
             for (size_t i = 0; i < 4; ++i) {
@@ -174,6 +173,17 @@ private:
         map.channel = channel == "r" ? 0 : channel == "g" ? 1 : channel == "b" ? 2 : channel == "a" ? 3 : -1;
         _ReadCoordinates(node, &map, result);
         return map;
+    }
+
+    /// Names of the input, and of OpenUSD's colour spaces (GfColorSpaceNames) that stand for the same.
+    static stf::TextureMap::ColorSpace _ToColorSpace(std::string const& space) {
+        using ColorSpace = stf::TextureMap::ColorSpace;
+        if (space == "sRGB" || space == "srgb_rec709_scene" || space == "srgb_texture") {
+            return ColorSpace::Srgb;
+        }
+        const bool asItIs = space == "raw" || space == "data" || space == "identity" || space == "lin_rec709_scene" ||
+                            space == "lin_rec709";
+        return asItIs ? ColorSpace::Raw : ColorSpace::Auto;
     }
 
     static stf::TextureMap::Wrap _ToWrap(std::string const& wrap) {

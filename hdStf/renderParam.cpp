@@ -4,6 +4,7 @@
 #include "hdStf/hydraCompat.h"
 
 #include "pxr/imaging/hd/renderIndex.h"
+#include "pxr/imaging/hd/rprim.h"
 #include "pxr/imaging/hd/sceneDelegate.h"
 
 #if HDSTF_HAS_PRIM_ORIGINS
@@ -13,6 +14,7 @@
 #endif
 
 #include <algorithm>
+#include <utility>
 
 PXR_NAMESPACE_OPEN_SCOPE
 
@@ -22,6 +24,8 @@ stf::Scene& HdStfRenderParam::AcquireSceneForEdit() {
     ++_sceneVersion;
     return _scene;
 }
+
+#if HDSTF_HAS_DIRTYING_IN_SYNC
 
 void HdStfRenderParam::MarkAllDirty(HdRenderIndex& index, HdDirtyBits bits) {
     std::lock_guard<std::mutex> lock(_gate);
@@ -45,6 +49,33 @@ void HdStfRenderParam::MarkAllDirty(HdRenderIndex& index, HdDirtyBits bits) {
     }
 #endif
 }
+
+void HdStfRenderParam::PullMarked(HdRenderIndex& /*index*/) {}
+
+#else
+
+void HdStfRenderParam::MarkAllDirty(HdRenderIndex& /*index*/, HdDirtyBits bits) {
+    std::lock_guard<std::mutex> lock(_gate);
+    _markedBits |= bits;
+}
+
+void HdStfRenderParam::PullMarked(HdRenderIndex& index) {
+    HdDirtyBits marked = HdChangeTracker::Clean;
+    {
+        std::lock_guard<std::mutex> lock(_gate);
+        std::swap(marked, _markedBits);
+    }
+    if (marked == HdChangeTracker::Clean) {
+        return;
+    }
+    for (SdfPath const& id : index.GetRprimIds()) {
+        HdDirtyBits bits = marked;
+        // GetRprim is const because tasks may not edit prims; here it is the delegate that brings its own up to date.
+        const_cast<HdRprim*>(index.GetRprim(id))->Sync(index.GetSceneDelegateForRprim(id), this, &bits, TfToken());
+    }
+}
+
+#endif
 
 void HdStfRenderParam::ForgetBuffer(HdStfRenderBuffer const* buffer) {
     std::lock_guard<std::mutex> lock(_gate);

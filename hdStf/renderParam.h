@@ -43,8 +43,10 @@ public:
     /// tell how they move anew. Cameras themselves cannot see that: some go without being there to sync.
     void FollowShutter(HdRenderIndex& index);
 
-    /// Has all rprims pull something again, with this sync.
+    /// Has all rprims pull something again: with this sync, or, where Hydra does not allow that, with `PullMarked`.
     void MarkAllDirty(HdRenderIndex& index, HdDirtyBits bits);
+    /// After all have synced: rprims pull what was marked and is not pulled yet. Hydra's execute thread.
+    void PullMarked(HdRenderIndex& index);
 
     /// A render buffer goes away: nothing may be written to it any more.
     void ForgetBuffer(HdStfRenderBuffer const* buffer);
@@ -56,6 +58,7 @@ private:
     HdStfRenderJob& _job;
     HdStfMessages& _messages;
     std::mutex _gate;
+    HdDirtyBits _markedBits = HdChangeTracker::Clean; // behind the gate
     std::atomic<int> _sceneVersion{1};
     mutable std::mutex _shutterMutex;
     std::map<SdfPath, stf::Shutter> _shutters; // those that blur

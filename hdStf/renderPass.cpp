@@ -46,6 +46,7 @@ void HdStfRenderPass::_Sync() {
 }
 
 void HdStfRenderPass::_Execute(HdRenderPassStateSharedPtr const& renderPassState, TfTokenVector const& renderTags) {
+    _param.PullMarked(*GetRenderIndex());
     bool restart = _UpdateDrawnPrims(renderTags);
     restart |= _UpdateSettings();
     // Buffers first: the scene's version also tells that one was resized or replaced.

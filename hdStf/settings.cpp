@@ -35,6 +35,11 @@ VtValue _OfType(VtValue const& value, VtValue const& other) {
     if (given.IsHolding<double>() && !std::isfinite(given.UncheckedGet<double>())) {
         return VtValue();
     }
+    if (other.IsHolding<bool>() && given.CanCast<double>()) {
+        // Which numbers are flags differs between OpenUSD's versions.
+        const double number = VtValue::Cast<double>(given).UncheckedGet<double>();
+        return number > -1 && number < 2 ? VtValue(static_cast<int>(number) != 0) : VtValue();
+    }
     return VtValue::CastToTypeOf(given, other);
 }
 

@@ -7,6 +7,7 @@
 #include "pxr/base/gf/vec4f.h"
 #include "pxr/usd/usd/attribute.h"
 #include "pxr/usd/usd/prim.h"
+#include "pxr/usd/usd/relationship.h"
 
 #include <gtest/gtest.h>
 
@@ -72,6 +73,20 @@ TEST(Instancer, NestedInstancersAreFlattened) {
         EXPECT_EQ(instances[size_t(i)].instanceId, i);
         EXPECT_EQ(instances[size_t(i)].objectToWorld.translation.x, 100 * (i / 3));
         EXPECT_EQ(instances[size_t(i)].objectToWorld.translation.y, 10 * (i % 3));
+    }
+}
+
+TEST(Instancer, NestedInstancersThatAreNoPrototypesAnyMoreAreNotDrawn) {
+    if (!TestHost::prototypeEditsArrive()) {
+        GTEST_SKIP() << "scene delegates behind scene indices tell nothing of it";
+    }
+    TestHost host(testScene({}, nested));
+    host.execute();
+    host.stage->GetPrimAtPath(SdfPath("/Outer")).GetRelationship(TfToken("prototypes")).SetTargets({});
+    host.execute();
+    for (const auto& [id, mesh] : host.delegate->GetScene().meshes()) {
+        EXPECT_TRUE(mesh.instances.empty() || id.find("Leaf") == std::string::npos)
+            << id << ": " << mesh.instances.size() << " at " << mesh.instances[0].objectToWorld.translation.x;
     }
 }
 

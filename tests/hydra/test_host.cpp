@@ -35,6 +35,10 @@ bool TestHost::bindingEditsArrive() {
     return HDSTF_HAS_BINDING_EDITS || !byIndices();
 }
 
+bool TestHost::prototypeEditsArrive() {
+    return !HDSTF_HAS_PRIM_ORIGINS || byIndices();
+}
+
 class TestHost::Buffers final : public HdSceneDelegate {
 public:
     explicit Buffers(HdRenderIndex* index) : HdSceneDelegate(index, SdfPath("/__buffers")) {}

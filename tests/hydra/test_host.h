@@ -33,6 +33,8 @@ public:
     static bool motionIsSampled();
     /// Whether edits of bindings and of subsets arrive, the way the stage comes in.
     static bool bindingEditsArrive();
+    /// Whether edits of an instancer's prototypes arrive, the way the stage comes in.
+    static bool prototypeEditsArrive();
 
     PXR_NS::UsdStageRefPtr stage;
     std::unique_ptr<PXR_NS::HdStfRenderDelegate> delegate;

@@ -43,9 +43,11 @@ StageScene::StageScene(HdRenderIndex& index, const UsdStageRefPtr& stage, Way wa
         return;
     }
 #if HDSTF_HAS_STAGE_SCENE_INDICES
+#if HDSTF_HAS_SCENE_INDEX_SWITCH
     if (!HdRenderIndex::IsSceneIndexEmulationEnabled()) {
         throw std::runtime_error("scene indices are switched off (HD_ENABLE_SCENE_INDEX_EMULATION)");
     }
+#endif
     UsdImagingCreateSceneIndicesInfo info;
     info.stage = stage;
     impl_->index = &index;

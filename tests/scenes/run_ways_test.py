@@ -1,0 +1,51 @@
+#!/usr/bin/env python3
+"""Renders a scene by UsdImaging's scene delegate and by its scene indices: the pictures are the same.
+
+    run_ways_test.py --stfrecord BIN --scene FILE --output FOLDER
+
+What hdStf adds to the scene indices of its renderer (implicit surfaces, links of lights) is seen only here: the Hydra
+tests have a delegate of their own, for which Hydra finds no plugins.
+"""
+
+import argparse
+import pathlib
+import subprocess
+import sys
+
+import numpy as np
+import OpenEXR
+
+AOVS = "color,depth,normal,primId,albedo"
+
+
+def render(arguments, name, *options):
+    """All channels of the picture by name."""
+    image = arguments.output / f"{name}.exr"
+    image.unlink(missing_ok=True)
+    command = [arguments.stfrecord, arguments.scene, image, "--quiet", "--imageWidth", 96, "--samples", 8, "--seed", 1,
+               "--threads", 2, "--aov", AOVS]
+    subprocess.run([str(part) for part in [*command, *options]], check=True)
+    with OpenEXR.File(str(image), separate_channels=True) as file:
+        return {channel: np.array(pixels.pixels) for part in file.parts for channel, pixels in part.channels.items()}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--stfrecord", required=True)
+    parser.add_argument("--scene", required=True)
+    parser.add_argument("--output", type=pathlib.Path, required=True)
+    arguments = parser.parse_args()
+    arguments.output.mkdir(parents=True, exist_ok=True)
+    delegate, indices = render(arguments, "delegate"), render(arguments, "indices", "--sceneIndices")
+    if delegate.keys() != indices.keys():
+        sys.exit(f"channels {sorted(delegate)} and {sorted(indices)}")
+    for channel, pixels in sorted(delegate.items()):
+        if not np.array_equal(pixels, indices[channel], equal_nan=True):
+            off = np.abs(pixels.astype(np.float64) - indices[channel].astype(np.float64))
+            sys.exit(f"{channel}: {np.count_nonzero(off)} of {off.size} pixels differ, by up to {np.nanmax(off)}")
+    if not np.ptp(delegate["R"]) > 0.05:
+        sys.exit("nothing to be seen")
+
+
+if __name__ == "__main__":
+    main()
