@@ -3,8 +3,9 @@
 
     openusd_headers.py --source OPENUSD --library libusd_ms.so --output FOLDER
 
-A source tree has everything but pxr/pxr.h, which is made when OpenUSD is built: with the version, which is the tree's, and
-with the namespace and the support of Python, which are read from the library. Nothing is built. FOLDER is for
+A source tree has everything but two headers that are made when OpenUSD is built: pxr/pxr.h, with the version, which is the
+tree's, and with the namespace and the support of Python, which are read from the library; and from 25.08 on
+pxr/base/work/impl.h, which says what runs threads: TBB, as in every build that says nothing else. Nothing is built. FOLDER is for
 HDSTF_OPENUSD_HEADERS (docs/hosts.md). Exits with 1 and a sentence where the tree and the library do not fit.
 """
 
@@ -31,17 +32,22 @@ def namespace_of(library):
     return found.group(1).decode(), data
 
 
-def pxr_h(template, version, namespace, data):
-    """The text of pxr/pxr.h. How fast or safe the library was built changes nothing that its users see."""
+def values_of(version, namespace, data):
+    """What the headers that are made ask for. How fast or safe the library was built changes nothing that its users see."""
     major, minor, patch = version
-    values = {
+    return {
         "PXR_MAJOR_VERSION": major, "PXR_MINOR_VERSION": minor, "PXR_PATCH_VERSION": patch,
         "PXR_VERSION": 10000 * major + 100 * minor + patch,
         "PXR_USE_NAMESPACES": 1, "PXR_EXTERNAL_NAMESPACE": "pxr", "PXR_INTERNAL_NAMESPACE": namespace,
         "PXR_PYTHON_SUPPORT_ENABLED": int(b"TfPyObjWrapper" in data),
         "PXR_USE_INTERNAL_BOOST_PYTHON": int(b"9pxr_boost6python" in data),
         "PXR_PREFER_SAFETY_OVER_SPEED": 1,
+        "PXR_WORK_IMPL_HEADER": '"pxr/base/work/workTBB/impl.h"',
     }
+
+
+def filled(template, values):
+    """The text of a header that is made from a template."""
     text = template.read_text()
     for name, value in values.items():
         text = text.replace(f"@{name}@", str(value))
@@ -67,14 +73,19 @@ def main():
         if wrong:
             raise ValueError(f"{arguments.source} is OpenUSD {version[1]}.{version[2]:02d}, but the library's namespace "
                              f"is {namespace}")
-        text = pxr_h(arguments.source / "pxr" / "pxr.h.in", version, namespace, data)
+        values = values_of(version, namespace, data)
+        text = filled(arguments.source / "pxr" / "pxr.h.in", values)
         count = 0
         for path in sorted((arguments.source / "pxr").rglob("*")):
-            if path.suffix not in (".h", ".hpp", ".ipp"):
-                continue
             target = arguments.output / path.relative_to(arguments.source)
+            made = path.name.endswith(".h.in") and path.name != "pxr.h.in"
+            if not made and path.suffix not in (".h", ".hpp", ".ipp"):
+                continue
             target.parent.mkdir(parents=True, exist_ok=True)
-            shutil.copyfile(path, target)
+            if made:
+                target.with_suffix("").write_text(filled(path, values))
+            else:
+                shutil.copyfile(path, target)
             count += 1
         (arguments.output / "pxr" / "pxr.h").write_text(text)
     except (OSError, KeyError, ValueError) as error:
