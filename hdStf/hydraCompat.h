@@ -14,6 +14,8 @@
 /// HdInstancer has a virtual Sync; rprims call `HdInstancer::_SyncInstancerAndParents` (from 21.02). Before that an
 /// instancer pulls its primvars when first asked, under a lock of its own.
 #define HDSTF_HAS_INSTANCER_SYNC (HD_API_VERSION >= 36)
+/// Instancers are visible or not; before that their prototypes are.
+#define HDSTF_HAS_INSTANCER_VISIBILITY (HD_API_VERSION >= 56)
 /// Render pass states carry a CameraUtilFraming (from 21.02).
 #define HDSTF_HAS_FRAMING (HD_API_VERSION >= 36)
 /// Render pass states are bound around a pass (to 21.02), passes are prepared (to 21.08).
@@ -38,6 +40,9 @@
 /// Edits of a material's binding arrive by scene indices, and so do those of subsets (from 24.08; in 24.05 the one that
 /// resolves bindings drops them).
 #define HDSTF_HAS_BINDING_EDITS (HD_API_VERSION >= 68)
+/// Hydra has meshes of tetrahedra (from 24.05), and says what computed primvars depend on (from 24.11).
+#define HDSTF_HAS_TET_MESHES (HD_API_VERSION >= 67)
+#define HDSTF_HAS_COMPUTATION_DEPENDENCIES (HD_API_VERSION >= 74)
 /// UsdImaging leaves light and shadow links as collections, and a scene index resolves them (from 24.08); before that
 /// only scene delegates know links.
 #define HDSTF_HAS_LINKS_AS_COLLECTIONS (HD_API_VERSION >= 71)

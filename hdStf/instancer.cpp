@@ -109,6 +109,9 @@ void HdStfInstancer::_PullPrimvars(HdDirtyBits dirtyBits) {
 void HdStfInstancer::Sync(HdSceneDelegate* sceneDelegate, HdRenderParam* /*renderParam*/, HdDirtyBits* dirtyBits) {
     std::lock_guard<std::mutex> lock(_mutex);
     _UpdateInstancer(sceneDelegate, dirtyBits);
+#if HDSTF_HAS_INSTANCER_VISIBILITY
+    _visible = sceneDelegate->GetVisible(GetId()); // not all versions say when it changes
+#endif
     if (HdChangeTracker::IsAnyPrimvarDirty(*dirtyBits, GetId())) {
         _PullPrimvars(*dirtyBits);
     }
@@ -128,7 +131,7 @@ void HdStfInstancer::_PullPrimvarsIfDirty() {
 std::vector<VtArray<TfToken>> HdStfInstancer::ComputeInstanceCategories(SdfPath const& prototypeId) {
     std::vector<VtArray<TfToken>> chosen;
     const std::vector<VtArray<TfToken>> all = GetDelegate()->GetInstanceCategories(GetId());
-    if (all.empty() || !GetParentId().IsEmpty()) {
+    if (all.empty() || !_visible || !GetParentId().IsEmpty()) {
         return chosen;
     }
     for (const int index : GetDelegate()->GetInstanceIndices(GetId(), prototypeId)) {
@@ -228,7 +231,7 @@ VtMatrix4dArray HdStfInstancer::_ComputeTransforms(SdfPath const& prototypeId, _
         *open = std::min(*open, ends.open);
         *close = std::max(*close, ends.close);
     }
-    const VtIntArray indices = GetDelegate()->GetInstanceIndices(GetId(), prototypeId);
+    const VtIntArray indices = _visible ? GetDelegate()->GetInstanceIndices(GetId(), prototypeId) : VtIntArray();
     VtMatrix4dArray transforms(indices.size());
     GfMatrix4d* own = transforms.data();
     for (size_t i = 0; i < indices.size(); ++i) {

@@ -77,6 +77,7 @@ private:
 
     std::mutex _mutex;
     Primvars _primvars;
+    bool _visible = true;
 };
 
 PXR_NAMESPACE_CLOSE_SCOPE

@@ -61,6 +61,8 @@ def render(scene, name, arguments):
     frames = first_and_last(scene)
     command = [arguments.stfrecord, scene, image, "--imageWidth", "64", "--samples", "2", "--threads", "2",
                "--aov", "color,primId"]
+    if arguments.sceneIndices:
+        command.append("--sceneIndices")
     if frames:
         command += ["--frames", ",".join(f"{frame:g}" for frame in frames)]
     environment = dict(os.environ, PXR_PLUGINPATH_NAME=str(arguments.plugin), LC_ALL="C.UTF-8",
@@ -114,6 +116,7 @@ def main():
     parser.add_argument("--limit", type=float, default=300,
                         help="seconds that a scene may take on the clock; those of the processor are what is told")
     parser.add_argument("--only", default="", help="a part of the names of the scenes to render")
+    parser.add_argument("--sceneIndices", action="store_true", help="by UsdImaging's scene indices (23.11 and later)")
     parser.add_argument("--keep", action="store_true", help="leave the pictures in OUTPUT")
     arguments = parser.parse_args()
     arguments.stfrecord, arguments.plugin, arguments.output = (

@@ -90,6 +90,24 @@ TEST(Instancer, NestedInstancersThatAreNoPrototypesAnyMoreAreNotDrawn) {
     }
 }
 
+TEST(Instancer, VisibilityIsThatOfAllItsInstances) {
+    for (const char* hidden : {"/Outer", "/Outer/Inner"}) {
+        TestHost host(testScene({}, nested));
+        host.execute();
+        const UsdAttribute visibility =
+            host.stage->GetPrimAtPath(SdfPath(hidden)).CreateAttribute(TfToken("visibility"), SdfValueTypeNames->Token);
+        for (const bool visible : {true, false, true}) {
+            visibility.Set(TfToken(visible ? "inherited" : "invisible"));
+            host.execute();
+            size_t shown = 0;
+            for (const auto& [id, mesh] : host.delegate->GetScene().meshes()) {
+                shown += id.find("Leaf") != std::string::npos && mesh.visible ? mesh.instances.size() : 0;
+            }
+            EXPECT_EQ(shown, visible ? 6u : 0u) << hidden;
+        }
+    }
+}
+
 TEST(Instancer, EditsOfPositionsReachTheInstances) {
     TestHost host(testScene({}, nested));
     ASSERT_TRUE(host.renderToEnd());
