@@ -41,7 +41,7 @@ def values_of(version, namespace, data):
         "PXR_USE_NAMESPACES": 1, "PXR_EXTERNAL_NAMESPACE": "pxr", "PXR_INTERNAL_NAMESPACE": namespace,
         "PXR_PYTHON_SUPPORT_ENABLED": int(b"TfPyObjWrapper" in data),
         "PXR_USE_INTERNAL_BOOST_PYTHON": int(b"9pxr_boost6python" in data),
-        "PXR_PREFER_SAFETY_OVER_SPEED": 1,
+        "PXR_PREFER_SAFETY_OVER_SPEED": 1, "PXR_ARCH_PREFER_TSC_TIMING": 0,
         "AR_VERSION": 2 if version >= (0, 21, 11) else 1,
         "PXR_WORK_IMPL_HEADER": '"pxr/base/work/workTBB/impl.h"',
     }
