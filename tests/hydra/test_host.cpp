@@ -39,6 +39,10 @@ bool TestHost::prototypeEditsArrive() {
     return !HDSTF_HAS_PRIM_ORIGINS || byIndices();
 }
 
+bool TestHost::nestedInstancersHide() {
+    return PXR_VERSION != 2508 || !byIndices();
+}
+
 class TestHost::Buffers final : public HdSceneDelegate {
 public:
     explicit Buffers(HdRenderIndex* index) : HdSceneDelegate(index, SdfPath("/__buffers")) {}

@@ -35,6 +35,8 @@ public:
     static bool bindingEditsArrive();
     /// Whether edits of an instancer's prototypes arrive, the way the stage comes in.
     static bool prototypeEditsArrive();
+    /// Whether nested instancers can be hidden, the way the stage comes in.
+    static bool nestedInstancersHide();
 
     PXR_NS::UsdStageRefPtr stage;
     std::unique_ptr<PXR_NS::HdStfRenderDelegate> delegate;
