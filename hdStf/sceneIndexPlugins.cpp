@@ -48,7 +48,7 @@ void _Append(char const* plugin, _Registry::InsertionPhase phase, HdContainerDat
 } // namespace
 
 /// A plugin that appends one scene index: plugins are found by the names of their classes, in plugInfo.json.
-#define HDSTF_SCENE_INDEX_PLUGIN(PLUGIN, SCENE_INDEX)                                                                 \
+#define HDSTF_SCENE_INDEX_PLUGIN(PLUGIN, SCENE_INDEX)                                                                  \
     class PLUGIN final : public HdSceneIndexPlugin {                                                                   \
     protected:                                                                                                         \
         HdSceneIndexBaseRefPtr _AppendSceneIndex(HdSceneIndexBaseRefPtr const& scene,                                  \
@@ -56,7 +56,9 @@ void _Append(char const* plugin, _Registry::InsertionPhase phase, HdContainerDat
             return SCENE_INDEX;                                                                                        \
         }                                                                                                              \
     };                                                                                                                 \
-    TF_REGISTRY_FUNCTION_WITH_TAG(TfType, PLUGIN) { _Registry::Define<PLUGIN>(); }
+    TF_REGISTRY_FUNCTION_WITH_TAG(TfType, PLUGIN) {                                                                    \
+        _Registry::Define<PLUGIN>();                                                                                   \
+    }
 
 /// Spheres, cubes and the like become meshes.
 HDSTF_SCENE_INDEX_PLUGIN(HdStf_ImplicitSurfaceSceneIndexPlugin, HdsiImplicitSurfaceSceneIndex::New(scene, args))

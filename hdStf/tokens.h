@@ -40,9 +40,11 @@ PXR_NAMESPACE_OPEN_SCOPE
 #define HDSTF_MATERIAL_TOKENS (stf)
 
 /// Nodes and inputs of UsdPreviewSurface networks.
-#define HDSTF_NETWORK_TOKENS                                                                                           \
-    (                                                                                                                  \
-        surface)(UsdPreviewSurface)(UsdUVTexture)(UsdTransform2d)(diffuseColor)(emissiveColor)(useSpecularWorkflow)(specularColor)(metallic)(roughness)(clearcoat)(clearcoatRoughness)(opacity)(opacityThreshold)(opacityMode)(ior)(normal)(displacement)(occlusion)(file)(st)(wrapS)(wrapT)(sourceColorSpace)((fileColorSpace, "colorSpace:file"))(scale)(bias)(fallback)(rotation)(translation)(in)(varname)(displayColor)(StfShell)
+#define HDSTF_NETWORK_TOKENS                                                                                                                                                                                                                                                         \
+    (surface)(UsdPreviewSurface)(                                                                                                                                                                                                                                                    \
+        UsdUVTexture)(UsdTransform2d)(diffuseColor)(emissiveColor)(useSpecularWorkflow)(specularColor)(metallic)(roughness)(clearcoat)(clearcoatRoughness)(opacity)(opacityThreshold)(opacityMode)(ior)(normal)(displacement)(occlusion)(file)(st)(wrapS)(wrapT)(sourceColorSpace)(( \
+        fileColorSpace, "colorSpace:file"))(                                                                                                                                                                                                                                         \
+        scale)(bias)(fallback)(rotation)(translation)(in)(varname)(displayColor)(StfShell)
 
 TF_DECLARE_PUBLIC_TOKENS(HdStfRenderSettingsTokens, , HDSTF_RENDER_SETTINGS_TOKENS);
 TF_DECLARE_PUBLIC_TOKENS(HdStfPrimvarTokens, , HDSTF_PRIMVAR_TOKENS);

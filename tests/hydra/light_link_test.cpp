@@ -53,7 +53,8 @@ Sides sides(TestHost& host) {
     return {color[4 * (6 * 16 + 5)], color[4 * (6 * 16 + 10)]};
 }
 
-const char* const unresolved = "scene indices for this renderer are found by its plugin's name, which this host's delegate has not";
+const char* const unresolved =
+    "scene indices for this renderer are found by its plugin's name, which this host's delegate has not";
 
 const float lit = 0.5f / 3.14159265f;
 
