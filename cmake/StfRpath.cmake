@@ -2,9 +2,10 @@
 #
 # HDSTF_INSTALL_OPENUSD puts the OpenUSD of this build into the install tree (lib/openusd), with all else that is not the
 # system's, so that the tree can be moved and given away. Off, the tree names the folders that it was linked against. The
-# OpenUSD of a host (HDSTF_OPENUSD_LIBRARY) and that of the system stay where they are.
+# OpenUSD of a host (HDSTF_OPENUSD_LIBRARY), one that is a single library (usd_ms) and that of the system stay where they
+# are.
 set(_bundle OFF)
-if(HDSTF_BUILD_HYDRA AND NOT HDSTF_OPENUSD_LIBRARY AND NOT APPLE)
+if(HDSTF_BUILD_HYDRA AND NOT HDSTF_OPENUSD_LIBRARY AND NOT TARGET usd_ms AND NOT APPLE)
     get_target_property(_file hd LOCATION)
     get_filename_component(HDSTF_OPENUSD_LIBRARY_FOLDER "${_file}" DIRECTORY)
     if(NOT HDSTF_OPENUSD_LIBRARY_FOLDER MATCHES "^/(usr/)?lib")
