@@ -168,6 +168,13 @@ Meshes drawnMeshes(const stf::Scene& scene, const HostNames& names) {
     return meshes;
 }
 
+/// What follows the name of the native instance that came first, in the name of what all of them share: a property of
+/// that prim (20.08) or a prim below it. Empty for other names.
+std::string sharedLeaf(const std::string& id) {
+    const std::string leaf = id.substr(id.find_last_of("./") + 1);
+    return leaf.rfind("proto_", 0) == 0 ? leaf : std::string();
+}
+
 } // namespace
 
 std::string nameInFirst(const HostNames& names, const std::string& id) {
@@ -179,15 +186,13 @@ HostNames hostNames(const stf::Scene& a, const stf::Scene& b) {
     Meshes first = drawnMeshes(a, {}), second = drawnMeshes(b, {});
     HostNames names;
     for (const auto& [id, mesh] : second) {
-        const std::size_t leaf = id.find(".proto_");
-        if (leaf == std::string::npos || first.count(id)) {
+        const std::string leaf = sharedLeaf(id);
+        if (leaf.empty() || first.count(id)) {
             continue;
         }
         const auto same = std::find_if(first.begin(), first.end(), [&](const auto& entry) {
-            const std::string& other = entry.first;
-            const std::size_t otherLeaf = other.find(".proto_");
-            return !second.count(other) && otherLeaf != std::string::npos &&
-                   other.substr(otherLeaf) == id.substr(leaf) && entry.second.instances == mesh.instances;
+            return !second.count(entry.first) && sharedLeaf(entry.first) == leaf &&
+                   entry.second.instances == mesh.instances;
         });
         if (same != first.end()) {
             names[id] = same->first;
