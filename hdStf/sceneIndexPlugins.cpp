@@ -33,7 +33,7 @@ namespace {
 
 using _Registry = HdSceneIndexPluginRegistry;
 
-/// Before Storm's and hdPrman's: what turns prims of one type to another.
+/// First, what turns prims of one type to another.
 constexpr _Registry::InsertionPhase _conversions = 0;
 /// After procedurals, which make geometry and lights (phase 2).
 constexpr _Registry::InsertionPhase _links = 4;

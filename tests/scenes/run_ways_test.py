@@ -23,8 +23,8 @@ def render(arguments, name, *options):
     """All channels by frame and name."""
     for image in arguments.output.glob(f"{name}.*.exr"):
         image.unlink()
-    command = [arguments.stfrecord, arguments.scene, arguments.output / f"{name}.####.exr", "--frames", FRAMES, "--quiet", "--imageWidth", 96, "--samples", 8, "--seed", 1,
-               "--threads", 2, "--aov", AOVS]
+    command = [arguments.stfrecord, arguments.scene, arguments.output / f"{name}.####.exr", "--frames", FRAMES, "--quiet",
+               "--imageWidth", 96, "--samples", 8, "--seed", 1, "--threads", 2, "--aov", AOVS]
     subprocess.run([str(part) for part in [*command, *options]], check=True)
     channels = {}
     for image in sorted(arguments.output.glob(f"{name}.*.exr")):
